@@ -23,6 +23,7 @@ def told(condition: str, root: Path) -> list[Finding]:
         ("msg.data.split() != 'start'", "write `'start' not in msg.data.split()`"),
         ("msg.data.encode() == 'start'", "write `msg.data.encode() == b'start'`"),
         ("self.get_name == 'robot'", "write self.get_name()"),
+        ("msg.data.lower == 'start'", "write msg.data.lower() instead of"),
         ("len(msg.data) == '3'", "write `len(msg.data) == 3`"),
         ("msg.data.find('start') == 'start'", "write `str(msg.data.find('start')) == 'start'`"),
         ("msg.data[0] == 1", "write `msg.data[0] == '1'`"),
@@ -90,3 +91,59 @@ def test_a_parameter_has_the_type_of_its_default(
     )
     found = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "never-equal"]
     assert [text.startswith(fix) for text in found] == [True] if fix else not found
+
+
+MADE = """\
+        super().__init__('command_subscriber')
+        self.cli = self.create_client(Trigger, 'ask')
+        self.late = None
+"""
+METHODS = """\
+    def is_idle(self):
+        return True
+
+    @property
+    def is_open(self):
+        return True
+
+    def later(self):
+        self.on_end = None
+
+    def on_end(self):
+        pass
+
+"""
+
+
+@pytest.mark.parametrize(
+    ("condition", "fix"),
+    [
+        ("not self.cli.service_is_ready", "write self.cli.service_is_ready() instead of self.cli.service_is_ready"),
+        ("self.cli.call_async(Trigger.Request()).done", "write self.cli.call_async(Trigger.Request()).done() instead of"),
+        ("msg.data and rclpy.ok", "write rclpy.ok() instead of rclpy.ok"),
+        ("msg.data.isdigit or self.late", "write msg.data.isdigit() instead of msg.data.isdigit"),
+        ("self.is_idle", "write self.is_idle() instead of self.is_idle"),
+        ("msg.data.startswith", "write msg.data.startswith(...), with what it needs in the parentheses, instead of"),
+        ("self.cli.service_is_ready()", ""),
+        ("self.cli.service_is_ready is not None", ""),
+        ("self.late", ""),
+        ("self.is_open", ""),
+        ("self.on_end", ""),
+        ("self.executor", ""),
+        ("callable(self.is_idle)", ""),
+        ("hasattr(self, 'more') and self.more", ""),
+        ("hasattr(self, 'more') and self.more and self.more()", ""),
+        ("msg", ""),
+        ("getattr(self, 'mode', None)", ""),
+        ("any(map(self.is_idle, [1]))", ""),
+    ],
+)  # fmt: skip
+def test_a_function_is_no_condition(tmp_path: Path, condition: str, fix: str) -> None:
+    files = right_workspace().change("listener", "msg.data == 'start'", condition)
+    files.change("listener", "import rclpy\n", "import rclpy\nfrom std_srvs.srv import Trigger\n")
+    files.change("listener", "        super().__init__('command_subscriber')\n", MADE)
+    files.change("listener", "    def command_callback", f"{METHODS}    def command_callback")
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code in ("no-effect", "not-callable")]
+    assert [one.fix.partition(" instead of")[0] for one in found] == [fix.partition(" instead of")[0]] * bool(
+        fix
+    )

@@ -19,7 +19,6 @@ ROWS = [
     ("node", "        msg = String()", "        return\n        msg = String()", "unreachable", "return"),
     ("node", "    try:\n        rclpy.spin", "    node.destroy_node()\n    try:\n        rclpy.spin", "life-order", "after"),
     ("listener", "msg.data == 'start'", "msg.data.lower() == 'Start'", "no-effect", "'start'"),
-    ("listener", "msg.data == 'start'", "msg.data.lower == 'start'", "no-effect", "lower()"),
     ("listener", "__init__('command_subscriber')", "__init__('status_publisher')", "name-twice", "another name"),
     ("driver", "msg.linear.x = self.get_parameter('speed').value", "msg.linear.x = 0,2", "field-type", "0.2"),
     ("driver", "self.get_parameter('speed').value", "self.get_parameter('speed')", "field-type", ".value"),

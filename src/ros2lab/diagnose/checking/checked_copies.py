@@ -26,7 +26,7 @@ RULES = {
     "missing-argument": r"required parameters? (?P<name>.+?) of (?:.*? )?`(?P<owner>[\w.]+)`",
     "too-many-positional-arguments": r"to (?P<what>.*?) ?`(?P<owner>[\w.]+)`: expected (?P<takes>\d+), got (?P<got>\d+)",
     "unknown-argument": r"Argument `(?P<name>\w+)` .* of (?:.*? )?`(?P<owner>[\w.]+)`",
-    "not-callable": r"Object of type `(?P<owner>.+)` is not callable",
+    "not-callable": r"Object of type `(?P<owner>[^~].*)` is not callable",
     "unsupported-operator": r"Operator `(?P<name>.+?)` .*type `(?P<owner>.+?)`(?: and `(?P<given>.+)`)?$",
     "invalid-argument-type": r"Argument to (?:.*? )?`(?P<owner>[\w.]+)` is incorrect: Expected `(?P<wanted>.+)`, "
     r"found `(?P<given>.+)`",

@@ -1,4 +1,4 @@
-"""Finds comparisons with a value of a type that the other side never has, as the type checker says."""
+"""Finds comparisons and conditions that the types on their sides decide, as the type checker tells these."""
 
 from __future__ import annotations
 
@@ -10,16 +10,18 @@ from dataclasses import dataclass
 import yaml
 
 from ros2lab.diagnose.checking.checked_copies import Row, checked
-from ros2lab.diagnose.checking.doubts import contradicted, is_asked_for, is_contradicted
+from ros2lab.diagnose.checking.doubts import contradicted, is_asked_for, is_contradicted, is_of_several
 from ros2lab.diagnose.checking.edits import Edit, all_applied, copied, revealing
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, kinds_in, message_annotations
+from ros2lab.diagnose.code.idle_statements import properties
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name
 from ros2lab.diagnose.sources.syntax_parts import equal_sides
 
+_FUNCTION = re.compile(r"(?:def|bound method|<method-wrapper|<wrapper-descriptor) .*|Overload\[.*\]")
 # Each type in plain words, and how the type checker writes it; other types are not reported.
 _FAMILIES = (
     ("a bool", re.compile(r"bool|Literal\[(?:True|False)(?:, ?(?:True|False))*\]")),
@@ -31,7 +33,7 @@ _FAMILIES = (
     ("a dict", re.compile(r"dict\[.*\]")),
     ("a set", re.compile(r"set\[.*\]")),
     ("None", re.compile(r"None")),
-    ("a function", re.compile(r"(?:def|bound method|<method-wrapper|<wrapper-descriptor) .*")),
+    ("a function", _FUNCTION),
 )
 _OBJECT = re.compile(r"[A-Z]\w*")
 _NUMBER = re.compile(r"\s*[-+]?\d+(\.\d+)?\s*")
@@ -39,14 +41,14 @@ _NUMBER = re.compile(r"\s*[-+]?\d+(\.\d+)?\s*")
 
 @dataclass(frozen=True)
 class _Compared:
-    """A side of a comparison, and the constants with which it is compared, all of one kind.
+    """A side of a comparison, and the constants with which it is compared, all of one kind; none for a condition.
 
     Attributes:
         side: the side that is not a constant.
         is_equal: whether the operator is == or in, and not != or not in.
     """
 
-    node: ast.Compare
+    node: ast.expr
     side: ast.expr
     constants: Sequence[ast.Constant]
     is_equal: bool
@@ -62,13 +64,13 @@ def compared_types(look: Look, known: Collection[str]) -> Iterator[Finding]:
                 kinds = _kinds(source, sources, look)
                 told = [*zip(asked, kinds, strict=True)] if len(asked) == len(kinds) else []
                 yield from _told(
-                    sources, source, [pair for pair in told if source.at(pair[0].node) not in known]
+                    sources, source, [pair for pair in told if source.at(pair[0].node) not in known], look
                 )
 
 
 def _comparisons(source: PythonSource) -> list[_Compared]:
-    """Return the comparisons with constants, in the order of the file."""
-    found = [*_compared(source)]
+    """Return the comparisons with constants and the bare conditions, in the order of the file."""
+    found = [*_compared(source), *_conditions(source)]
     return sorted(found, key=lambda comparison: (comparison.side.lineno, comparison.side.col_offset))
 
 
@@ -83,6 +85,20 @@ def _compared(source: PythonSource) -> Iterator[_Compared]:
             is_guard = ast.unparse(side) == "__name__" and families == {"a string"}  # a string in every file
             if is_asked and not is_guard and not isinstance(side, ast.Constant):
                 yield _Compared(node, side, constants, is_equal)
+
+
+def _conditions(source: PythonSource) -> Iterator[_Compared]:
+    """Yield the names that a condition takes as true or false by themselves, unless they are known to be values."""
+    values = {name.rpartition(".")[2] for name in source.stored} | properties(source)
+    tests = [n.test for n in source.nodes if isinstance(n, (ast.If, ast.While, ast.IfExp, ast.Assert))]
+    for test in tests:
+        match test:
+            case ast.BoolOp():
+                tests += test.values
+            case ast.UnaryOp(op=ast.Not()):
+                tests.append(test.operand)
+            case ast.Attribute(attr=name) | ast.Name(id=name) if name not in values:
+                yield _Compared(test, test, (), is_equal=True)
 
 
 def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
@@ -101,18 +117,24 @@ def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
 
 
 def _told(
-    sources: NodeSources, source: PythonSource, asked: Sequence[tuple[_Compared, str]]
+    sources: NodeSources, source: PythonSource, asked: Sequence[tuple[_Compared, str]], look: Look
 ) -> Iterator[Finding]:
     own = {name.rpartition(".")[2] for name in sources.classes}
+    stored = {name.rpartition(".")[2] for file in sources.sources.values() for name in file.stored}
     for comparison, kind in asked:
-        parts = kind.replace("*", "").split(" | ")
-        families = {_family(part, own) for part in parts}
+        parts = kind.replace("*", "").split(" | ") if is_of_several(kind) else [kind.replace("*", "")]
+        families, text = {_family(part, own) for part in parts}, ast.unparse(comparison.side)
+        if not comparison.constants:
+            if families == {"a function"} and last_name(comparison.side) not in stored:
+                cause = f"`{text}` only names a function: without parentheses it is not called, and as a condition it is always true."
+                fix = f"write {_call(source, comparison.side, look)} instead of {text}"
+                yield Finding("no-effect", cause, source.at(comparison.side), fix)
+            continue
         wanted = _family_of(comparison.constants[0].value)
         if "" in families or wanted in families or (wanted == "a number" and "a bool" in families):
             continue
         if wanted != "a string" and any(_OBJECT.fullmatch(part) for part in parts):
             continue  # an object may define equality with a number
-        text = ast.unparse(comparison.side)
         cause = (
             f"`{text}` is {' or '.join(sorted(families))}, but {ast.unparse(comparison.constants[0])} is {wanted}, "
             f"so `{ast.unparse(comparison.node)}` is {'never' if comparison.is_equal else 'always'} true."
@@ -120,9 +142,19 @@ def _told(
         yield Finding("never-equal", cause, source.at(comparison.node), _fix(comparison, families, wanted))
 
 
+def _call(source: PythonSource, function: ast.expr, look: Look) -> str:
+    """Return how to call a function, as far as the type checker knows."""
+    text = ast.unparse(function)
+    edits = [*message_annotations(source, look), Edit(function, f"{text}()")]
+    (rows,) = checked(source, [b"".join(all_applied(source.lines, edits))])
+    lacking = ("missing-argument", "no-matching-overload")
+    is_short = any(row.line == function.lineno and row.rule in lacking for row in rows)
+    return f"{text}(...), with what it needs in the parentheses," if is_short else f"{text}()"
+
+
 def _family(kind: str, own: Collection[str]) -> str:
     """Return a type in plain words; empty if it is unknown, or if its instances may equal anything."""
-    if UNKNOWN_TYPE.search(kind):
+    if UNKNOWN_TYPE.search(kind) and not _FUNCTION.fullmatch(kind):
         return ""
     if found := next((name for name, pattern in _FAMILIES if pattern.fullmatch(kind)), ""):
         return found

@@ -60,12 +60,12 @@ def _is_told_by_member(row: re.Match[str], source: PythonSource) -> bool:
             return False
         # An assignment with a plain operator, which reads what it changes.
         read = f"{ast.unparse(added.target)} = reveal_type({ast.unparse(added.target)})"
-        return _is_of_several(revealed_by(source, Edit(added, read)))
+        return is_of_several(revealed_by(source, Edit(added, read)))
     call = call_at(spot, column, row["rule"])
-    return call is not None and _is_of_several(type_of(source, call.func))
+    return call is not None and is_of_several(type_of(source, call.func))
 
 
-def _is_of_several(kind: str) -> bool:
+def is_of_several(kind: str) -> bool:
     """Return whether a type is a union, and not only has one in its brackets."""
     inner = re.compile(r"\([^()]*\)|\[[^\[\]]*\]")
     while (bare := inner.sub("", kind)) != kind:

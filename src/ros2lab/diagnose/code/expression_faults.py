@@ -7,7 +7,7 @@ import itertools
 import sys
 from collections.abc import Callable, Iterator, Sequence
 
-from ros2lab.diagnose.code.idle_statements import idle_statements, properties
+from ros2lab.diagnose.code.idle_statements import idle_statements
 from ros2lab.diagnose.code.main_guards import main_guard_faults
 from ros2lab.diagnose.code.misplaced_signs import sign_fault
 from ros2lab.diagnose.code.placeholders import placeholder_faults
@@ -247,9 +247,6 @@ def _never_equal(source: PythonSource, node: ast.Compare) -> Iterator[Finding]:
                 cause = f"`{ast.unparse(node)}` asks whether both are the same object, which is never true of a received string."
                 fix = f"write {ast.unparse(side)} {sign} {ast.unparse(other)}"
                 yield Finding("literal-comparison", cause, source.at(node), fix)
-            elif isinstance(side, ast.Attribute) and texts and _names_method(source, side):
-                cause = f"`{ast.unparse(side)}` names the method {side.attr} without calling it, so it never equals a string."
-                yield Finding("no-effect", cause, source.at(node), f"write {ast.unparse(side)}()")
             elif (
                 isinstance(side, ast.Call)
                 and isinstance(side.func, ast.Attribute)
@@ -273,12 +270,6 @@ def _texts_of(value: ast.expr) -> list[str]:
     items = value.elts if isinstance(value, (ast.List, ast.Tuple, ast.Set)) else [value]
     found = [item.value for item in items if isinstance(item, ast.Constant) and isinstance(item.value, str)]
     return found if len(found) == len(items) else []
-
-
-def _names_method(source: PythonSource, side: ast.Attribute) -> bool:
-    """Return whether an attribute is a method of strings, and no attribute that something else has."""
-    others = {name.rpartition(".")[2] for name in source.stored} | properties(source)
-    return side.attr in ("lower", "upper", "strip") and side.attr not in others
 
 
 def _texts(source: PythonSource, test: ast.BoolOp) -> Iterator[Finding]:
