@@ -77,8 +77,8 @@ def _may_be_text(unknown: Unknown, whole: ast.AST) -> bool:
         signature = signature_of(unknown.source, call) if isinstance(call, ast.Call) else None
         named = signature.named(around.arg or "") if signature else None
         return named is None or _takes_text(named)
-    if isinstance(around, (ast.List, ast.Tuple, ast.Set)) and {*map(kind_of, around.elts)} - {None, "str"}:
-        return False  # what lies beside it is no text
+    if isinstance(around, (ast.List, ast.Tuple, ast.Set)) and {*map(kind_of, around.elts)} & {"int", "float"}:
+        return False  # it lies beside a number
     is_joined = isinstance(around, ast.BinOp) and isinstance(around.op, ast.Add)
     is_value = isinstance(around, (*_HOLDERS, ast.Return, ast.Assign))
     return is_value or (is_joined and whole is not unknown.node)
