@@ -86,3 +86,44 @@ def test_an_installed_folder_that_hides_a_file_is_removed(
     told = [finding.fix for finding in Look(root).findings if "left over" in finding.cause]
     fix = f"rm -r build/{PACKAGE} {old.relative_to(root)}, then colcon build --packages-select {PACKAGE}"
     assert told == [fix] * is_told
+
+
+HOOKS = f"install/{PACKAGE}/share/{PACKAGE}/hook"
+
+
+@pytest.mark.parametrize(("name", "is_told"), [("pythonpath.sh", False), ("old.sh", True)])
+def test_what_colcon_puts_into_a_folder_of_data_files_is_not_left_over(
+    tmp_path: Path, name: str, *, is_told: bool
+) -> None:
+    files = Files.right(NAMES[0]).put("hook/site.sh", "")
+    files.change("setup.py", "data_files=[", f"data_files=[('share/{PACKAGE}/hook', ['hook/site.sh']),")
+    files.texts |= {f"{HOOKS}/{name}": "", f"{HOOKS}/site.sh": ""}
+    files.texts[f"install/{PACKAGE}/share/{PACKAGE}/package.dsv"] = (
+        f"source;share/{PACKAGE}/hook/pythonpath.sh\n"
+    )
+    told = left_over(files.write(tmp_path))
+    assert [finding.place for finding in told] == [f"{HOOKS}/{name}"] * is_told
+
+
+@pytest.mark.parametrize(
+    ("bath", "bed", "installed", "codes"),
+    [
+        ("1", "2", "2", ["installed-elsewhere"]),
+        ("1", "2", "1", ["installed-elsewhere"]),
+        ("1", "2", "0", ["installed-elsewhere", "install-stale"]),
+        ("1", "1", "1", []),
+        ("1", "1", "2", ["install-stale"]),
+    ],
+)
+def test_a_copy_of_one_of_two_files_is_not_stale(
+    tmp_path: Path, bath: str, bed: str, installed: str, codes: list[str]
+) -> None:
+    files = Files.right(NAMES[0]).put("config/bath/night.yaml", bath).put("config/bed/night.yaml", bed)
+    row = f"('share/{PACKAGE}/config', ['config/bath/night.yaml', 'config/bed/night.yaml'])"
+    files.change("setup.py", "data_files=[", f"data_files=[{row},")
+    files.texts[f"install/{PACKAGE}/share/{PACKAGE}/config/night.yaml"] = installed
+    root = files.write(tmp_path)
+    left_over(root)
+    told = [finding for finding in Look(root).findings if "night.yaml" in finding.about]
+    assert [finding.code for finding in told] == codes
+    assert all(f"('share/{PACKAGE}/config/bed', [" in finding.fix for finding in told[:1] if bath != bed)

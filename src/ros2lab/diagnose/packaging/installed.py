@@ -138,12 +138,16 @@ def _changed_files(prefix: Path, package: SourcePackage) -> list[str]:
     """Return the files that differ from their installed copies, data files included."""
     found = [source.shown for source, _ in changed_sources(prefix, package)]
     setup = package.setup
-    for target, files in setup.data_files if setup and setup.are_data_files_known else ():
-        for file in files:
-            original, copy = package.folder / file, prefix / target / Path(file).name
-            if original.is_file() and not (copy.is_file() and copy.read_bytes() == original.read_bytes()):
-                found.append(package.shown(file))
+    copies = setup.copies(package.folder) if setup and setup.are_data_files_known else {}
+    for target, files in copies.items():
+        copy = prefix / target
+        if not (copy.is_file() and _is_one_of(copy, [package.folder / file for file in files])):
+            found.append(package.shown(files[-1]))
     return found
+
+
+def _is_one_of(copy: Path, originals: Iterable[Path]) -> bool:
+    return any(filecmp.cmp(copy, original, shallow=False) for original in originals)
 
 
 def _built_at(root: Path) -> float:
@@ -161,14 +165,13 @@ def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
     for source in package.sources.values():
         inner = Path(*source.name.split("."), *(["__init__"] if source.is_package else [])).with_suffix(".py")
         folders = [*site_packages(prefix), root / "build" / package.name / "build" / "lib"]
-        pairs += [(source.shown, source.path, folder / inner) for folder in folders]
-    for target, files in package.setup.data_files:
-        pairs += [(package.shown(f), package.folder / f, prefix / target / Path(f).name) for f in files]
+        pairs += [(source.shown, [source.path], folder / inner) for folder in folders if source.path]
+    for target, files in package.setup.copies(package.folder).items():
+        pairs.append((package.shown(files[-1]), [package.folder / file for file in files], prefix / target))
     return [
         (shown, copy.relative_to(root) if copy.is_relative_to(root) else copy)
-        for shown, path, copy in pairs
-        if path and path.is_file() and copy.is_file() and copy.stat().st_mtime > last
-        if not filecmp.cmp(path, copy, shallow=False)
+        for shown, paths, copy in pairs
+        if copy.is_file() and copy.stat().st_mtime > last and not _is_one_of(copy, paths)
     ]
 
 
@@ -230,7 +233,7 @@ def _left_over(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Fin
         shown, is_program = shown_path(path, root), path in programs
         now = f", which now has {in_a_row(sorted(names))}," if is_program else ""
         is_dead = is_program and texts.strip() and not re.search(rf"^{re.escape(path.name)}\s*=", texts, re.M)
-        does = "ends in StopIteration when it is started" if is_dead else "can still be started"
+        does = "ends in StopIteration when it is started" if is_dead else "can still be started or used"
         cause = (
             f"{shown} is left over from an earlier build: setup.py{now} no longer names it, and it {does}."
         )
@@ -247,13 +250,15 @@ def _old_programs(package: SourcePackage, prefix: Path, names: Collection[str]) 
 
 
 def _old_files(setup: SetupScript, share: Path, prefix: Path) -> list[Path]:
-    """Return the files in the folders below a package's share that data_files does not name; none if it is not known."""
+    """Return the files in the folders below a package's share that neither data_files nor colcon names; none if not known."""
     if not setup.are_data_files_known:
         return []
     wanted = {prefix / target / Path(file).name for target, files in setup.data_files for file in files}
+    hooks = read_text(share / "package.dsv")  # what colcon itself has put into these folders
     folders = {path.parent for path in wanted if share in path.parents} - {share} | {share / "launch"}
     found = (path for folder in sorted(folders) for path in folder.glob("*.*"))
-    return [path for path in found if path not in wanted and path.is_file()]
+    left = (path for path in found if path not in wanted and path.is_file())
+    return [path for path in left if str(path.relative_to(prefix)) not in hooks]
 
 
 def _hides_new(root: Path, package: SourcePackage, prefix: Path) -> Iterator[Finding]:
@@ -336,4 +341,4 @@ def environment_faults(root: Path, names: Collection[str], environ: Mapping[str,
 
 
 def _same(first: Path, second: Path) -> bool:
-    return first == second or os.path.realpath(first) == os.path.realpath(second)
+    return os.path.realpath(first) == os.path.realpath(second)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 import os
 import re
 from collections.abc import Iterator
@@ -9,7 +10,7 @@ from configparser import RawConfigParser
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from importlib.metadata import distributions
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from shlex import quote
 
 from ros2lab.diagnose.code.bound_names import undefined_names
@@ -166,6 +167,7 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
             cause = f"{cause[:-1]}; colcon does it for you with a warning."
         fix = f"{made}{_added(package, setup, INDEX, marker)}"
         yield Finding("marker-not-installed", cause, place, fix)
+    yield from _as_one(package, setup)
     installed = {file for _, files in setup.data_files for file in files}
     # `ros2 launch` finds a file by its name, so a copy of an installed one need not be installed.
     found = {Path(file).name for file in installed}
@@ -182,6 +184,19 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         is_copy = path in package.launch_files and path.name in found
         if relative not in installed and not is_copy:
             yield _left_out(package, setup, path, folder)
+
+
+def _as_one(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
+    """Yield the files of different content that are installed as one."""
+    for copy, files in setup.copies(package.folder).items():
+        paths = [package.folder / file for file in files]
+        if not all(filecmp.cmp(paths[0], path, shallow=False) for path in paths[1:]):
+            target, _, name = copy.rpartition("/")
+            cause = f"setup.py installs {in_a_row(files)} as one file, {copy}, so only one of them is kept."
+            rows = [f"('share/{package.name}/{PurePosixPath(file).parent}', ['{file}'])" for file in files]
+            fix = f"install them into folders of their own, such as {in_a_row(rows)} in data_files, build again, and read them from there"
+            place = at(setup.source.shown, setup.written(target)[1])
+            yield Finding("installed-elsewhere", cause, place, fix, (name,))
 
 
 def _missing_file(package: SourcePackage, setup: SetupScript, file: str) -> Finding:

@@ -11,7 +11,7 @@ from configparser import RawConfigParser
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from functools import partial
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
@@ -103,6 +103,14 @@ class SetupScript:
             (target.rstrip("/"), [file for file in files if isinstance(file, str)])
             for target, files in filter(_is_pair, value if isinstance(value, (list, tuple)) else ())
         ]
+
+    def copies(self, folder: Path) -> dict[str, list[str]]:
+        """Return each path that data_files installs, with the files of a package's folder that are installed as that path."""
+        made: dict[str, list[str]] = {}
+        for target, files in self.data_files:
+            for file in (file for file in dict.fromkeys(files) if (folder / file).is_file()):
+                made.setdefault(str(PurePosixPath(target, PurePosixPath(file).name)), []).append(file)
+        return made
 
     @property
     def are_data_files_known(self) -> bool:
