@@ -105,6 +105,39 @@ def test_an_error_of_what_was_built_before_an_edit(workspace: Path, mended: tupl
     assert finding.fix.endswith("run the same command again")
 
 
+@pytest.mark.parametrize(
+    ("added", "message", "is_told"),
+    [
+        ("LIMIT = 1\n", "ImportError: cannot import name 'LIMIT' from 'robot_controller.status_publisher' (x.py)", True),
+        ("def lift(t):\n    pass\n", "AttributeError: module 'robot_controller.status_publisher' has no attribute 'lift'", True),
+        ("class Leg:\n    def lift(self):\n        pass\n", "AttributeError: 'Leg' object has no attribute 'lift'", True),
+        ("def lift(t, speed):\n    pass\n", "TypeError: lift() got an unexpected keyword argument 'speed'", True),
+        ("LIMITS = 1\n", "ImportError: cannot import name 'LIMIT' from 'robot_controller.status_publisher' (x.py)", False),
+        ("def lift(t):\n    pass\n", "AttributeError: 'NoneType' object has no attribute 'lift'", False),
+        ("total = int('1')\n", "TypeError: unsupported operand type(s) for +: 'int' and 'str'", False),
+        ("print(lift())\n", "TypeError: lift() takes 0 positional arguments but 1 was given", False),
+    ],
+)  # fmt: skip
+def test_what_another_file_has_in_src_by_now_is_not_said_to_be_missing(
+    workspace: Path, added: str, message: str, *, is_told: bool
+) -> None:
+    (site,) = workspace.glob("install/robot_controller/lib/python3*/site-packages")
+    user = "robot_controller/command_subscriber.py"
+    for folder in (site, workspace / "src/robot_controller"):
+        text = (folder / user).read_text()
+        (folder / user).write_text(f"from robot_controller.status_publisher import *\n{text}")
+    home = workspace / "src/robot_controller/robot_controller/status_publisher.py"
+    home.write_text(f"{home.read_text()}\n\n{added}")
+    text = (
+        f'Traceback (most recent call last):\n  File "{site / user}", line 1, in <module>\n    x\n{message}\n'
+    )
+    found = of_text(text.replace("    x\n", ""), workspace)[0]
+    assert ("older build" in found.cause) is is_told
+    if is_told:
+        assert found.place == "src/robot_controller/robot_controller/status_publisher.py"
+        assert found.fix.startswith("colcon build --packages-select robot_controller, ")
+
+
 def test_a_new_file_and_a_new_entry_point_are_seen(workspace: Path) -> None:
     package = workspace / "src/robot_controller"
     node = (package / "robot_controller/status_publisher.py").read_text()

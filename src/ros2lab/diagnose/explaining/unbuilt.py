@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 from ros2lab.diagnose.explaining.commands import corrected
 from ros2lab.diagnose.explaining.needed import uses
@@ -13,9 +15,10 @@ from ros2lab.diagnose.packaging.build_order import BuildOrder
 from ros2lab.diagnose.packaging.installed import changed_sources, prefix_of
 from ros2lab.diagnose.packaging.manifest_faults import mentions
 from ros2lab.diagnose.printed.error_text import ErrorText
-from ros2lab.diagnose.printed.spots import place_of
+from ros2lab.diagnose.printed.spots import place_of, spot_at
 from ros2lab.diagnose.printed.transcript import Step
 from ros2lab.diagnose.sources.package import SourcePackage
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
 _COLCON = re.compile(r"(?:^|[;&|] *)colcon\b")
 _BUILD = re.compile(r"\bcolcon build\b")
@@ -91,25 +94,47 @@ def no_prerequisite(error: ErrorText, look: Look) -> Finding | None:
 
 
 def of_earlier(error: ErrorText, look: Look) -> Finding | None:
-    """Say that an error comes from an installed copy of a file that has changed; None if it does not."""
-    own = error.own
-    frames = {place_of([frame], look): frame for frame in own if "/install/" in frame.file}
-    stale = None
-    if frames:
-        stale = next((finding for finding in look.findings if finding.code == "install-stale"), None)
-    if stale is None:
-        return None
-    prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages)
-    pairs = (pair for package, prefix in prefixes if prefix for pair in changed_sources(prefix, package))
-    changed = {source.shown: source for source, _ in pairs}
-    for place, frame in frames.items():
-        file = place.rpartition(":")[0]
-        if file in changed:
-            cause = f"{file} has changed since the last build, and the error comes from the older build."
-            if frame.text and frame.text not in map(str.strip, changed[file].text.splitlines()):
+    """Say that an error comes from an installed copy of a file that has changed; None if it does not.
+
+    It is the file of a frame, or one that this imports and that by now defines what the error is about.
+    """
+    frames = {place_of([frame], look): frame for frame in error.own if look}
+    stale = [finding.about for finding in look.findings if finding.code == "install-stale"] if frames else []
+    prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages if stale)
+    pairs = (
+        (package, pair) for package, prefix in prefixes if prefix for pair in changed_sources(prefix, package)
+    )
+    for (package, (source, copy)), (place, frame) in itertools.product(pairs, frames.items()):
+        if not any(Path(source.shown).name in names for names in stale):
+            continue
+        cause = f"{source.shown} has changed since the last build, and the error comes from the older build."
+        fix = f"colcon build --packages-select {package.name}, then run the same command again"
+        if source.shown == place.rpartition(":")[0] and "/install/" in frame.file:
+            if frame.text and frame.text not in map(str.strip, source.text.splitlines()):
                 cause = f"{cause.rstrip('.')}: `{frame.text}` is no longer in it."
-            return Finding("install-stale", cause, place, f"{stale.fix}; then run the same command again")
+            return Finding("install-stale", cause, place, fix)
+        if _defines_now(
+            source, copy, spot_at(place, look).file, error.report.message if error.report else ""
+        ):
+            return Finding("install-stale", cause, source.shown, fix)
     return None
+
+
+def _defines_now(source: PythonSource, copy: Path, user: PythonSource, said: str) -> bool:
+    """Return whether a file that another one imports defines what an error there is about, and its older copy does not."""
+    home, old = f"{source.name}.", read_text(copy).splitlines()
+    targets = [f"{imported.target}." for imported in user.imports]
+    if not any(home.startswith(target) or target.startswith(home) for target in targets):
+        return False
+    new = "\n".join(line for line in source.text.splitlines() if line not in old)
+    if called := re.findall(r"(\w+)\(\)", said):
+        return any(re.search(rf"\bdef {name}\(", new) for name in called)
+    names = {name.rpartition(".")[2] for name in re.findall(r"'([\w.]+)'", said) if name != source.name}
+    made = [
+        re.compile(rf"(?:def|class|import .*) \b{name}\b|^ *(?:self\.)?{name}\b[^=(]*=[^=]", re.M)
+        for name in names
+    ]
+    return all(one.search(source.text) for one in made) and any(one.search(new) for one in made)
 
 
 def _left_out(
