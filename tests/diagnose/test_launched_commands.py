@@ -130,3 +130,25 @@ def test_quotes_are_right_in_xml(tmp_path: Path, last: str, shown: str, fix: str
     for finding in blamed:
         assert finding.place.endswith("lights.launch.xml:2")
         assert fix in finding.fix
+
+
+@pytest.mark.parametrize(
+    ("said", "place"),
+    [
+        ("[ERROR] [xterm9-1]: exception occurred while executing process: [Errno 2] No such file or directory: 'xterm9'", "crane.launch.xml:2"),
+        ("'rviz9' cannot be started: No such file or directory: 'rviz9'", "crane.launch.xml:3"),
+        ("/usr/bin/env: \u2018python9\u2019: No such file or directory", ""),
+        ("timeout: failed to run command \u2018stress9\u2019: No such file or directory", ""),
+        ('Traceback (most recent call last):\n  File "/usr/lib/python3.12/subprocess.py", line 1955, in _execute_child\n    raise child_exception_type(errno_num, err_msg, err_filename)\nFileNotFoundError: [Errno 2] No such file or directory: \'xterm9\'', "crane.launch.xml:2"),
+        ("bash: xterm9: No such file or directory", None),
+        ("FileNotFoundError: [Errno 2] No such file or directory: 'xterm9'", None),
+        ("[ERROR] [xterm9-1]: exception occurred while executing process: [Errno 2] No such file or directory: './xterm9'", None),
+    ],
+)  # fmt: skip
+def test_a_bare_name_that_could_not_be_started_is_a_program(
+    tmp_path: Path, said: str, place: str | None
+) -> None:
+    launch = '<launch>\n  <node pkg="p" exec="e" launch-prefix="xterm9 -e"/>\n  <executable cmd="rviz9 -d x"/>\n</launch>\n'
+    found = of_text(said, Files.right(NAMES[0]).put("launch/crane.launch.xml", launch).write(tmp_path))[0]
+    assert found.cause.startswith("There is no program ") is (place is not None)
+    assert place is None or found.place.rpartition("/")[2] == place

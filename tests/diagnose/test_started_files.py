@@ -95,3 +95,43 @@ def test_the_line_that_a_shell_could_not_run_comes_before_what_follows_from_it(
 
 def test_a_script_that_ran_is_not_blamed(tmp_path: Path) -> None:
     assert of_script(tmp_path, f"#!/bin/bash\n{SOURCES}", "./start.sh").code != "script-fails"
+
+
+MADE = f"install/{NAME.package}/lib/{NAME.package}/{NAME.module}"
+
+
+@pytest.mark.parametrize(
+    ("first", "is_told"),
+    [("#!/no/bin/python3.10\n", True), ("#!/no/env/bin/python\n", True), ("#!/bin/sh\n", False)],
+)
+@pytest.mark.parametrize(
+    "said",
+    [
+        "'{0}' cannot be started: No such file or directory: '{0}'",
+        "[ERROR] [x-1]: exception occurred while executing process: [Errno 2] No such file or directory: '{0}'",
+        "bash: {0}: cannot execute: required file not found",
+    ],
+)
+def test_a_program_that_a_build_made_is_built_again_where_what_runs_it_is_gone(
+    tmp_path: Path, first: str, said: str, *, is_told: bool
+) -> None:
+    files = Files.right(NAME)
+    files.texts |= {INDEX: "", "install/setup.bash": "", MADE: first}
+    files.write(tmp_path)
+    (tmp_path / MADE).chmod(0o755)
+    found = of_text(f"$ ros2 run {NAME.package} {NAME.module}\n{said.format(tmp_path / MADE)}\n", tmp_path)[0]
+    told = ("executable-unusable", f"{MADE}:1", BUILD)
+    assert ((found.code, found.place, found.fix) == told) is is_told
+    assert "There is no" not in found.cause
+
+
+@pytest.mark.parametrize(
+    ("text", "fix"), [("#!/no/zsh\n", "correct /no/zsh in line 1"), ("1,2\n", "run the same command again")]
+)
+def test_a_file_that_is_there_is_not_said_to_be_missing(tmp_path: Path, text: str, fix: str) -> None:
+    path = Files.right(NAME).write(tmp_path / "ws").with_name("given")
+    path.write_text(text)
+    path.chmod(0o755)
+    for root in (tmp_path / "ws", None):
+        found = of_text(f"FileNotFoundError: [Errno 2] No such file or directory: '{path}'", root)[0]
+        assert found.fix.startswith(fix)

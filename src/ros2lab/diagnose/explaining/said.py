@@ -16,10 +16,10 @@ from shlex import quote
 
 from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.causes.python_says import of_error
-from ros2lab.diagnose.explaining.started_files import of_line_ends
+from ros2lab.diagnose.explaining.started_files import of_interpreter, of_line_ends
 from ros2lab.diagnose.explaining.there_already import existing_folder, of_existing
 from ros2lab.diagnose.explaining.warnings_told import of_warning
-from ros2lab.diagnose.finding import SAID, Finding, shown_path
+from ros2lab.diagnose.finding import SAID, Finding, at, line_with, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.names_there import node_names, topic_ends
@@ -42,6 +42,9 @@ _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<c
 _SYSTEM_SAYS = re.compile(
     rf"^(?:(?P<tool>[^\s:]+): )?(?P<before>.*?)(?:: )?(?:\[Errno \d+\] )?(?P<said>{'|'.join(map(re.escape, SYSTEM))})"
     r"(?:: (?P<after>.+))?$"
+)
+_STARTS = re.compile(
+    r"exception occurred while executing process|cannot be started|failed to run command|^\S*env: "
 )
 _NO_COMMAND = re.compile(
     r"^(?P<tool>[^\s:]+): (?:line )?(?:\d+: )?(?:(?P<name>\S+): (?:command )?not found|command not found: (?P<name2>\S+))$"
@@ -198,12 +201,12 @@ def _usage(tool: str, said: str, error: ErrorText) -> Finding:
     return Finding(SAID, f"{tool}: {said}.", "", help_)
 
 
-def _of_system(said: re.Match[str], look: Look) -> Finding | None:
-    """Explain an error of the operating system about a file; None if it names no file."""
+def _of_system(said: re.Match[str], look: Look, *, is_start: bool = False) -> Finding | None:
+    """Explain an error of the operating system about a file, or a program that was to be started; None if it names none."""
     quoted = re.findall(
         r"(?<!\w)[\u2018'\"]([^\u2019'\"]+)[\u2019'\"]", said["after"] or said["before"] or ""
     )
-    words = (said["before"] or "").split()
+    words = (said["before"] or "").removesuffix(": bad interpreter").split()
     path = quoted[-1] if quoted else words[-1] if words else said["tool"] or ""
     if not path:
         return None
@@ -214,7 +217,8 @@ def _of_system(said: re.Match[str], look: Look) -> Finding | None:
         fix = r"remove the Windows line endings of the file that was started, with sed -i 's/\r$//' and its name"
         return (of_line_ends(look) if look else None) or Finding(SAID, cause, "", fix)
     if number == errno.ENOENT:
-        return _missing(path, look)
+        is_program = "/" not in path and (is_start or _STARTS.search(said.string))
+        return _no_program(path, look) if is_program else _missing(path, look)
     if number in (errno.EACCES, errno.EPERM):
         return _denied(path, is_run=not said["after"] and (said["tool"] or "").endswith("sh"))
     if number == errno.ENOEXEC:
@@ -235,9 +239,23 @@ def _stale_link(path: str, look: Look) -> Finding | None:
     return next((f for f in stale if any(f"/{part}/" in f"{f.place}/" for part in parts)), None)
 
 
+def _no_program(name: str, look: Look) -> Finding:
+    """Say that a program is not on PATH, and which line of a launch file names it."""
+    if shutil.which(name) or name in ROS_1_TOOLS:
+        return _no_command("", name)
+    begun = [f"{mark}{name}" for mark in ('"', "'", ": ")]
+    lines = (at(file.shown, line_with(read_text(path), *begun)) for file, path in look.launches)
+    cause = f"There is no program {name} on PATH: it is not installed here, or its name is misspelt."
+    fix = f"write {name.split()!r}" if " " in name else f"install {name}, fix its name, or do without it"
+    return Finding(SAID, cause, next((place for place in lines if ":" in place), ""), fix)
+
+
 def _missing(path: str, look: Look) -> Finding:
     if stale := _stale_link(path, look):
         return stale
+    if path.startswith("/") and Path(path).exists():
+        again = "run the same command again"
+        return of_interpreter(Path(path), look) or Finding(SAID, f"{path} is there by now.", "", again)
     if look and not path.startswith("/") and (look.root / path).exists():
         cause = f"There is no {path} in the folder where this was typed; it is in {look.root}."
         return Finding(SAID, cause, "", f"cd {look.root}, and type it again")
@@ -372,13 +390,16 @@ def of_python(report: ErrorReport, place: str, look: Look) -> Finding | None:
     """Explain an exception that Python or a library raised at a line of the student's; else None."""
     if said := _SYSTEM_SAYS.match(report.message):
         number, words = SYSTEM[said["said"]], re.findall(r"'([^']+)'", said["after"] or "")
-        if number == errno.ENOENT and words and (found := of_missing_file(words[0], place, look)):
-            return found
-        text = spot_of(report, look).text
-        if number == errno.EEXIST and words and (found := existing_folder(words[0], text, place)):
-            return found
-        found = _of_system(said, look)
-        return found and Finding(found.code, found.cause, place, found.fix)
+        spot = spot_of(report, look)
+        may_be_folder = any(isinstance(node, ast.keyword) and node.arg == "cwd" for node in spot.whole)
+        is_start = not may_be_folder and any(Path(f.file).name == "subprocess.py" for f in report.frames[-1:])
+        told = None
+        if number == errno.ENOENT and words and not is_start:
+            told = of_missing_file(words[0], place, look)
+        elif number == errno.EEXIST and words:
+            told = existing_folder(words[0], spot.text, place)
+        found = None if told else _of_system(said, look, is_start=is_start)
+        return told or (found and replace(found, place=place or found.place))
     told = of_error(report.kind, report.message, place, spot_of(report, look))
     return told or _argument(report, place, look)
 

@@ -20,6 +20,7 @@ from ros2lab.diagnose.sources.package import SourcePackage
 
 _SHELL = re.compile(r"(?:\S*/)?(?P<name>bash|zsh|dash|sh)$")
 _COMPLAINT = re.compile(r"^(?P<file>[^\s:]+): (?:line )?(?P<line>\d+): (?P<said>.+)")
+_GONE = re.compile(r"[Nn]o such file|not found")
 _ENV = re.compile(r"(?:\S*/)?env(?: -S)? +(\S+)")
 
 
@@ -48,7 +49,12 @@ class Started:
     def again(self, change: str) -> str:
         """Return a change of the source, and the build that takes it over."""
         build = f"colcon build --packages-select {self.package.name}" if self.package else ""
-        return ", then ".join(filter(None, (change, build)))
+        return ", then ".join(filter(None, ("" if self.is_made else change, build)))
+
+    @property
+    def is_made(self) -> bool:
+        """Whether a build has made it, and not only copied."""
+        return self.package is not None and self.source == self.path
 
 
 def of_started_file(error: ErrorText, look: Look) -> Finding | None:
@@ -73,6 +79,12 @@ def of_line_ends(look: Look) -> Finding | None:
     return None
 
 
+def of_interpreter(path: Path, look: Look) -> Finding | None:
+    """Return the finding of a file whose first line names a program that is not there; None if it does not."""
+    started = Started(path, path)
+    return _unusable_line(started, look) if path.is_file() and started.first.startswith(b"#!") else None
+
+
 def _started(step: Step, look: Look) -> Iterator[Started]:
     """Yield the files that a command starts: scripts that it names, and those of the packages that are named."""
     words = words_in(step.command)
@@ -85,16 +97,18 @@ def _started(step: Step, look: Look) -> Iterator[Started]:
     named = {*re.findall(r"[\w.-]+", f"{step.command}\n{step.text}")}
     for package in look.packages:
         if package.name in named:
-            yield from (script for script in _installed(package, look) if script.path.name in named)
+            scripts = (script for script in _installed(package, look) if script.path.name in named)
+            yield from (script for script in scripts if not script.is_made or _GONE.search(step.text))
 
 
 def _installed(package: SourcePackage, look: Look) -> Iterator[Started]:
-    """Yield the scripts in the folder of a package's executables that are copies of its own files."""
+    """Yield the files in the folder of a package's executables, copies of its own and those that a build makes."""
     prefix = prefix_of(look.root, package.name)
     folder = prefix / "lib" / package.name if prefix else None
     for path in sorted(folder.iterdir()) if folder and folder.is_dir() else ():
-        if path.is_file() and (places := package.places_of(path.name)):
-            yield Started(path, package.folder / places[0], package)
+        if path.is_file():
+            places = package.places_of(path.name)
+            yield Started(path, package.folder / places[0] if places else path, package)
 
 
 def _unusable(started: Started, look: Look, said: str) -> Finding | None:
@@ -148,7 +162,8 @@ def _program(first: bytes) -> str:
 
 def _of_windows(started: Started, look: Look) -> list[str]:
     """Return the file, and those beside it that are installed with it, that have Windows line endings."""
-    names = [script.source for script in _installed(started.package, look)] if started.package else []
+    scripts = _installed(started.package, look) if started.package else ()
+    names = [script.source for script in scripts if not script.is_made]
     files = [
         path
         for path in dict.fromkeys((started.source, *names))
