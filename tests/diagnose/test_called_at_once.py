@@ -11,6 +11,7 @@ from ros2lab.diagnose import of_workspace
 
 NAME = NAMES[1]
 IMPORTS = """\
+import asyncio
 import atexit
 import signal
 import sys
@@ -41,6 +42,9 @@ class Asks(rclpy.node.Node):
 
     def ask(self, future: rclpy.Future):
         LINE
+
+    async def walk(self):
+        print('step')
 
     def end(self) -> None:
         print('end')
@@ -78,6 +82,8 @@ def told(line: str, root: Path) -> list[str]:
             "write `lambda value: self.end()`",
         ),
         ("self.context.on_shutdown(self.end())", "write `self.end`"),
+        ("executor.create_task(self.end())", "write `self.end`"),
+        ("future.add_done_callback(self.walk())", "write `lambda value: self.walk()`"),
     ],
 )
 def test_what_is_called_too_early_is_told(tmp_path: Path, line: str, fix: str) -> None:
@@ -95,6 +101,11 @@ def test_what_is_called_too_early_is_told(tmp_path: Path, line: str, fix: str) -
         "atexit.register(partial(self.end))",
         "threading.Thread(target=lambda: rclpy.spin(None))",
         "print(goodbye())",
+        "self.executor.create_task(self.walk())",
+        "executor.create_task(later())",
+        "executor.create_task(callback=self.walk())",
+        "asyncio.run(self.walk())",
+        "asyncio.gather(self.walk(), later())",
         "sys.exit(goodbye())",
         "sorted([1, 2], key=abs)",
         "[goodbye(), goodbye()].count(goodbye())",

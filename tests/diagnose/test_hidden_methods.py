@@ -51,9 +51,28 @@ def test_one_that_takes_the_name_of_its_callback(tmp_path: Path) -> None:
     files = Files.right(NAME).change(
         "node",
         "self.count = 0",
-        "self.count = 0\n        self.CALLBACK = self.create_timer(9.0, self.CALLBACK)",
+        "self.count = 0\n        self.CALLBACK = self.create_timer(9.0, print)\n        self.create_timer(2.0, self.CALLBACK)",
     )
     assert of_workspace(renamed(tmp_path, files).write(tmp_path), None) == []
+
+
+@pytest.mark.parametrize(
+    "made",
+    [
+        "self.get_logger().info",
+        "partial(self.say, 'more')",
+        "lambda text: print(text)",
+        "self.create_publisher(String, 'said', 10).publish",
+        "self.create_timer(1.0, self.say)",
+    ],
+)
+def test_an_attribute_that_replaces_a_method_on_purpose(tmp_path: Path, made: str) -> None:
+    files = Files.right(NAME).change("node", "self.count = 0", f"self.count = 0\n        self.say = {made}")
+    files.change("node", "import rclpy\n", "from functools import partial\nimport rclpy\n")
+    files.change(
+        "node", "    def CALLBACK(", "    def say(self, *text):\n        print(*text)\n\n    def CALLBACK("
+    )
+    assert "callback-missing" not in [f.code for f in of_workspace(files.write(tmp_path), None)]
 
 
 @pytest.mark.parametrize(

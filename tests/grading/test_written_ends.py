@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from ros2lab.diagnose.code.syntax_repairs import as_meant
 from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
@@ -226,7 +227,7 @@ def test_what_a_file_makes_is_read_past_what_python_cannot_read(right: str, wron
 
 def test_what_python_cannot_read_at_all_is_left_as_it_is() -> None:
     source = PythonSource("notes", "notes.py", "\n".join(["dear teacher ,"] * 20))
-    assert source.as_meant() is source
+    assert as_meant(source) is source
 
 
 PLAIN = "import rclpy\nnode = rclpy.create_node('a')\nnode.create_publisher(String, '/a', 1)\n"

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.code.angles import angle_faults
 from ros2lab.diagnose.code.argument_names import argument_name_faults
+from ros2lab.diagnose.code.bound_twice import bound_twice
 from ros2lab.diagnose.code.changed_loops import changed_loops
 from ros2lab.diagnose.code.defined_once import defined_once
 from ros2lab.diagnose.code.expression_faults import expression_faults
@@ -39,6 +40,14 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
         sources: the files.
         mains: the functions that executables call, such as `pk.talk.main`; None takes every `main`.
     """
+    twice = [*guarded(bound_twice, sources)]
+    # Where a name means something else than it should, what else is said of the line is said of the wrong thing.
+    places = {finding.place for finding in twice}
+    yield from (finding for finding in _source_faults(sources, mains) if finding.place not in places)
+    yield from twice
+
+
+def _source_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Finding]:
     for source in sources.sources.values():
         yield from guarded(_syntax_faults, source)
         yield from guarded(import_faults, sources, source)

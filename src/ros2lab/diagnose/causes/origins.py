@@ -18,8 +18,9 @@ from ros2lab.diagnose.causes.nothing_given import of_call_that_gave_none
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.bindings import Import
 from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function
-from ros2lab.diagnose.sources.python_source import Import, PythonSource, assigned_to, last_name, own_nodes
+from ros2lab.diagnose.sources.python_source import PythonSource, assigned_to, last_name, own_nodes
 
 _FUNCTIONS = frozenset(("function", "method", "builtin_function_or_method", "method-wrapper"))
 # What an error says about a value: its type, and which part of the line it means.

@@ -14,9 +14,10 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.taken_names import hidden_files
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.spots import place_of
+from ros2lab.diagnose.sources.bindings import Import
 from ros2lab.diagnose.sources.interfaces import importable_names, is_module
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import Import, PythonSource, read_source
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.diagnose.sources.spelling import snake_case
 
 # What Python says when a module lacks a name, or has nothing inside because it is no package.

@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.interfaces import is_interface
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.own_functions import as_function, called_function, gives_no_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
-from ros2lab.diagnose.sources.signatures import signature_of
+from ros2lab.diagnose.sources.signatures import heads_of, signature_of
 from ros2lab.diagnose.sources.uses import is_log
 
 _NOTHING = re.compile(r"`(?:None|Never|NoReturn)`")
@@ -40,6 +40,11 @@ class _Given:
     name: str
     function: Function | None
     is_void: bool
+
+    @property
+    def is_coroutine(self) -> bool:
+        """Whether the call makes a coroutine."""
+        return isinstance(self.function, ast.AsyncFunctionDef)
 
 
 def called_at_once(look: Look) -> Iterator[Finding]:
@@ -115,7 +120,8 @@ def _is_class(sources: NodeSources, source: PythonSource, call: ast.Call) -> boo
 def _called(source: PythonSource, given: list[_Given]) -> Iterator[Finding]:
     (revealed,) = checked(source, [revealing(source, [argument.call for argument in given])])
     void = [g for g in given if g.is_void or _has(revealed, "revealed-type", g.call, _NOTHING)]
-    others = [Edit(given_call.call, "object()").of(source) for given_call in void]
+    # A coroutine stays: it is no function, but some parameters take one as well.
+    others = [Edit(g.call, ast.unparse(g.call) if g.is_coroutine else "object()").of(source) for g in void]
     for given_call, rows in zip(void, checked(source, others) if others else (), strict=True):
         refused = _has(rows, "invalid-argument-type", given_call.call, _FUNCTION)
         if refused:
@@ -133,9 +139,9 @@ def _is_callback(source: PythonSource, given: _Given) -> bool:
     signature = signature_of(source, given.outer)
     index = next((n for n, value in enumerate(given.outer.args) if value is given.call), -1)
     if signature is None or (index < 0 and not given.name):
-        return given.name.endswith("callback")
-    name = given.name or "".join(parameter.name for parameter in signature.places[index:][:1])
-    return name.endswith("callback")
+        return given.name.endswith("callback") and not given.is_coroutine
+    named = signature.named(given.name) if given.name else next(iter(signature.places[index:]), None)
+    return named is not None and named.name.endswith("callback") and heads_of(named.type) <= {"Callable", ""}
 
 
 def _has(rows: list[Row], rule: str, node: ast.expr, said: re.Pattern[str]) -> re.Match[str] | None:

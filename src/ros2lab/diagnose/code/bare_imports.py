@@ -11,9 +11,10 @@ from ros2lab.diagnose.code.bound_names import MODULE_NAMES, global_names
 from ros2lab.diagnose.code.wrong_imports import used_on
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.bindings import Import
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import Import, PythonSource, read_text
+from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 
 
 def bare_imports(package: SourcePackage, sources: NodeSources) -> Iterator[Finding]:

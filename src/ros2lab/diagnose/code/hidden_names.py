@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ast
 import builtins
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.bindings import bound_by
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 
 _VALUES = (
     *(ast.Constant, ast.JoinedStr, ast.List, ast.Dict, ast.Set, ast.Tuple, ast.BinOp, ast.Compare),
@@ -27,7 +28,10 @@ def hidden_names(sources: NodeSources) -> Iterator[Finding]:
 
 def _hidden_in(source: PythonSource, function: Function) -> Iterator[Finding]:
     nodes = own_nodes(function)
-    outer, taken = known_names(source), set().union(*map(_otherwise_bound, nodes))
+    # What is bound otherwise than by assignment, or in a comprehension.
+    others = [inner for node in nodes if isinstance(node, ast.comprehension) for inner in walk(node.target)]
+    others += [node for node in nodes if not isinstance(node, ast.Name)]
+    outer, taken = known_names(source), {name for node in others for name in bound_by(node)}
     stores: dict[str, list[ast.Name]] = {}
     for node in nodes:
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and node.id in outer.keys() - taken:
@@ -44,20 +48,6 @@ def _hidden_in(source: PythonSource, function: Function) -> Iterator[Finding]:
             cause = f"{name} is {outer[name]}, but line {there[0].lineno} makes a variable of that name, which cannot be called."
         if before:
             yield Finding("name-hidden", cause, source.at(before[0]), fix_of(name, function.name))
-
-
-def _otherwise_bound(node: ast.AST) -> Iterable[str]:
-    """Return the names that a node binds otherwise than by assignment, or in a scope of its own."""
-    match node:
-        case ast.arg(arg=name):
-            return [name]
-        case ast.Global(names=names) | ast.Nonlocal(names=names):
-            return names
-        case ast.alias(name=name, asname=local):
-            return [local or name]
-        case ast.comprehension(target=target):
-            return names_bound(walk(target))
-    return [getattr(node, "name", None) or ""] if not isinstance(node, ast.expr) else ()
 
 
 def known_names(source: PythonSource) -> dict[str, str]:

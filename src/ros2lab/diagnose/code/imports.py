@@ -15,8 +15,9 @@ from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.beyond import Beyond
+from ros2lab.diagnose.sources.bindings import Import
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Import, PythonSource, read_source
+from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
 ROS_1 = {

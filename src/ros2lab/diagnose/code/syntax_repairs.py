@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+import math
 import re
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
@@ -24,6 +25,7 @@ _UNREAD = 100.0  # what a fault costs that stays
 _NO_SENSE = 6.0  # what a repair costs that is worse than none
 _MOST_BELOW = 40  # lines of a statement below the one that Python names
 _SHOWN = 100
+_MOST_FAULTS = 5  # syntax errors to leave out of a file
 
 
 def repairs_of(text: str, fault: SyntaxError) -> list[Repair]:
@@ -46,7 +48,7 @@ def mended(source: PythonSource) -> PythonSource:
     lines = source.text.split("\n")
     for repair in repairs_of(source.text, source.fault):
         lines = repair.applied(lines)
-    return replace(source, text="\n".join(lines)).as_meant()
+    return as_meant(replace(source, text="\n".join(lines)))
 
 
 def _cheapest(lines: list[str], reader: _Reader, tried: Sequence[int]) -> tuple[float, list[Repair]]:
@@ -225,3 +227,22 @@ def _left_out(place: int, line: str) -> Iterator[Repair]:
     if re.match(r"\s*(?:([<=>`~|-])\1{2,}|[$%] )", line):
         why = f"`{line.strip()[:_SHOWN]}` is not Python: it was left by git, a web page or a terminal"
         yield Repair(place, "", why)
+
+
+def as_meant(source: PythonSource) -> PythonSource:
+    """Return the file with lines of syntax errors closed or left out; itself if there are too many."""
+    known = source
+    for _ in range(_MOST_FAULTS):
+        line, lines = known.readable_to, known.text.split("\n")
+        if line > len(lines):
+            break
+        at = int(line) - 1
+        begin = lines[at][: -len(lines[at].lstrip()) or None]
+        texts = (f"{lines[at]}:", f"{lines[at]})", "", f"{begin}pass", f"{begin}if True:")
+        changed = ("\n".join([*lines[:at], text, *lines[at + 1 :]]) for text in texts)
+        known = max(
+            (replace(known, text=text) for text in changed), key=lambda candidate: candidate.readable_to
+        )
+        if known.readable_to <= line:
+            break
+    return known if known.readable_to == math.inf else source

@@ -9,7 +9,8 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.finding import Finding, Guess
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import Import, PythonSource
+from ros2lab.diagnose.sources.bindings import Import
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
 
 _Home = tuple[str, str]  # the module, empty for a name that is one, and the name in it

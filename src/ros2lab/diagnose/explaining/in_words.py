@@ -32,8 +32,8 @@ from ros2lab.diagnose.nodes.parameter_values import (
 )
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
+from ros2lab.diagnose.sources.bindings import Import
 from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of
-from ros2lab.diagnose.sources.python_source import Import
 
 _MOST_OFFERED = 6  # similar names that are suggested
 

@@ -27,7 +27,7 @@ from ros2lab.diagnose.sources.node_source import (
     NodeSources,
     is_self_attribute,
 )
-from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function
+from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function, is_wrapped
 from ros2lab.diagnose.sources.python_source import (
     YIELDS,
     Function,
@@ -149,9 +149,10 @@ def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
         if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
             continue
         hidden = owner.methods.get(node.attr) if isinstance(node.ctx, ast.Store) else None
-        if hidden is not None and not hidden.decorator_list and node.attr not in properties:
+        is_hidden = hidden is not None and not hidden.decorator_list and node.attr not in properties
+        if is_hidden and (fault := hidden_method(owner, node)):
             told.add(node.attr)
-            yield hidden_method(owner, node)
+            yield fault
         if isinstance(node.ctx, ast.Store) and node.attr in taken.keys() - own:
             told.add(node.attr)
             cause, fix = taken[node.attr]
@@ -260,7 +261,7 @@ def _unanswered(
 def _yield_fault(creation: Creation, function: Function) -> Iterator[Finding]:
     """Yield callbacks that a yield turns into generators, so that none of their code ever runs."""
     for node in own_nodes(function):
-        if isinstance(node, YIELDS):
+        if isinstance(node, YIELDS) and not is_wrapped(function):
             cause = f"The yield makes {function.name}() a generator: ROS calls it, but none of its code ever runs."
             fix = f"remove the yield: publish or return the value, or call the function, in {function.name}()"
             never = (creation.source.at(function),)
@@ -286,7 +287,7 @@ def _parameter_fault(
 ) -> Iterator[Finding]:
     names = [parameter.arg for parameter in parameters(function)]
     is_static = any(getattr(decorator, "id", "") == "staticmethod" for decorator in function.decorator_list)
-    if function.decorator_list and not is_static:
+    if is_wrapped(function) and not is_static:
         return
     is_method = isinstance(given, ast.Attribute) and not is_static
     if is_method and (not names or "self" in unbound_names(creation.source, function)):

@@ -16,8 +16,10 @@ from ros2lab.diagnose.sources.free_names import free_name
 from ros2lab.diagnose.sources.interfaces import fixed_node_properties, method_of, node_members
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import Function, walk
+from ros2lab.diagnose.sources.python_source import Function, given_to, last_name, walk
 from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by
+
+_VALUES = (ast.Constant, ast.JoinedStr, ast.List, ast.Tuple, ast.Dict, ast.Set, ast.Compare, ast.BinOp)
 
 
 def taken_packages(packages: Sequence[SourcePackage]) -> Iterator[Finding]:
@@ -97,23 +99,28 @@ def hiding_methods(owner: NodeClass, properties: Collection[str]) -> Iterator[tu
         yield method.name, Finding("node-property", why, owner.source.at(method), fix)
 
 
-def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding:
-    """Say how to rename an attribute that hides a method of the same name, wherever it is meant."""
-    name = stored.attr
-    own = [n for n in walk(owner.definition) if is_self_attribute(n) and n.attr == name]
-    calls = calls_in(walk(owner.definition))
+def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding | None:
+    """Say how to rename an attribute that hides a method of the same name, wherever it is meant.
+
+    None where something that can be called may be meant to replace the method, or nothing uses the method from then on.
+    """
+    name, inner = stored.attr, [*walk(owner.definition)]
+    own = [n for n in inner if is_self_attribute(n) and n.attr == name]
+    assigned = [n for n in inner if isinstance(n, ast.Assign) and stored in n.targets]
+    made = assigned[0].value if assigned else ast.Constant(None)
+    maker = last_name(getattr(made, "func", None)).partition("create_")[2]
+    if not (isinstance(made, _VALUES) or maker):
+        return None
     # A method is called, or given to what calls it; everything else is the attribute.
-    methods = {id(call.func) for call in calls}
-    methods |= {
-        id(given.value if isinstance(given, ast.keyword) else given)
-        for call in calls
-        if getattr(call.func, "attr", "").startswith("create_")
-        for given in (*call.args, *call.keywords)
-    }
+    calls = calls_in(inner)
+    creating = [call for call in calls if last_name(call.func).startswith("create_")]
+    methods = {id(call.func) for call in calls} | {id(given) for call in creating for given in given_to(call)}
+    first = [*walk(owner.methods.get("__init__", made))]
+    before = [n for n in first if stored in first and getattr(n, "lineno", 0) <= stored.lineno]
+    early = {id(n) for n in (*walk(made), *before)}
+    if not any(id(n) in methods - early for n in own):
+        return None
     lines = sorted({n.lineno for n in own if id(n) not in methods} - {stored.lineno})
-    assigned = (n for n in walk(owner.definition) if isinstance(n, ast.Assign) and stored in n.targets)
-    made = next((n.value for n in assigned), None)
-    maker = getattr(getattr(made, "func", None), "attr", "").partition("create_")[2]
     better = free_name(owner, f"{name}_{maker.partition('_')[0] or 'value'}")
     also = f" and on line{'s' * (len(lines) > 1)} {' and '.join(map(str, lines))}" if lines else ""
     cause = f"self.{name} is assigned here, which hides the method {name}()."

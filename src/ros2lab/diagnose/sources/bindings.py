@@ -3,9 +3,46 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
+from dataclasses import dataclass
 
 Path = tuple[int | None, ...]  # the index of the item that is taken out, or None for any
+
+
+@dataclass(frozen=True)
+class Import:
+    """A name that an import statement binds: `local` stands for `target`, such as `rclpy.node.Node`."""
+
+    local: str
+    target: str
+    line: int
+    is_from: bool
+    is_guarded: bool
+
+    @property
+    def meant(self) -> str:
+        """The full name of what the name stands for: `import os.path` binds `os`."""
+        first = self.target.partition(".")[0]
+        return self.target if self.is_from or self.local != first else first
+
+
+def imports_in(
+    parent: ast.AST, absolute: Callable[[ast.ImportFrom], str], *, is_guarded: bool = False
+) -> Iterator[tuple[ast.AST, list[Import]]]:
+    """Yield the import statements below a node, each with the names that it binds."""
+    for node in ast.iter_child_nodes(parent):
+        line = getattr(node, "lineno", 0)
+        if isinstance(node, ast.Import):
+            pairs = [(a.asname or a.name.partition(".")[0], a.name) for a in node.names]
+            yield node, [Import(local, name, line, False, is_guarded) for local, name in pairs]
+        elif isinstance(node, ast.ImportFrom):
+            home = f"{module}." if (module := absolute(node)) else ""
+            pairs = [(a.asname or a.name, f"{home}{a.name}") for a in node.names]
+            yield node, [Import(local, name, line, True, is_guarded) for local, name in pairs]
+        else:
+            # An import in a `try` or below a condition does not always happen.
+            is_unsure = is_guarded or isinstance(node, (ast.Try, ast.If))
+            yield from imports_in(node, absolute, is_guarded=is_unsure)
 
 
 def bindings(nodes: Iterable[ast.AST], name: str) -> Iterator[tuple[ast.expr, Path]]:

@@ -15,6 +15,7 @@ from importlib import metadata
 from pathlib import Path
 from types import ModuleType
 
+from ros2lab.diagnose.sources.bindings import bound_by
 from ros2lab.diagnose.sources.python_source import Function, children, read_text, walk
 from ros2lab.diagnose.sources.spelling import nearest, snake_case
 from ros2lab.manifest_words import KEYS
@@ -150,7 +151,7 @@ def names_in(module: str) -> frozenset[str] | None:
     file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     if not file.is_file():
         return None
-    names = _bound_in(ast.parse(read_text(file)))
+    names = frozenset(name for node in _run_on_import(ast.parse(read_text(file))) for name in bound_by(node))
     return None if "__getattr__" in names or "*" in names else names | _inner_modules(path)
 
 
@@ -264,20 +265,8 @@ def nearest_module(name: str) -> str | None:
     return f"{parent}.{close}" if parent and close else close
 
 
-def _bound_in(tree: ast.Module) -> frozenset[str]:
-    """Return the names that a module binds at its top level, without those only for type checkers."""
-    names: set[str] = set()
-    for node in _run_on_import(tree):
-        if isinstance(node, (ast.Import, ast.ImportFrom)):
-            names |= {(alias.asname or alias.name).partition(".")[0] for alias in node.names}
-        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
-            names.add(node.name)
-        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
-            names.add(node.id)
-    return frozenset(names)
-
-
 def _run_on_import(parent: ast.AST) -> Iterator[ast.AST]:
+    """Yield what runs when a module is imported, without what is only for type checkers."""
     for node in children(parent):
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.dump(node.test):
             continue

@@ -8,9 +8,10 @@ _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
 def mark(tree: ast.Module) -> None:
-    """Set `is_function` and `is_inner` on the nodes of a file."""
+    """Set `is_function`, `is_wrapped` and `is_inner` on the nodes of a file."""
     nodes = [*ast.walk(tree)]
     _mark_functions(nodes)
+    _mark_wrapped(nodes)
     _mark_inner(nodes)
 
 
@@ -24,6 +25,22 @@ def _mark_functions(nodes: list[ast.AST]) -> None:
         owner = node.value if isinstance(node, ast.Attribute) else None
         is_own = owner is None or (isinstance(owner, ast.Name) and owner.id == "self")
         node.is_function = is_own and _last(node) in functions - bound  # type: ignore[union-attr]
+
+
+def _mark_wrapped(nodes: list[ast.AST]) -> None:
+    """Set `is_wrapped` on functions of which a decorator, also of the class, or an assignment may make something else."""
+    bound = [n for n in nodes if isinstance(n, (ast.Name, ast.Attribute)) and isinstance(n.ctx, ast.Store)]
+    names = {node.id for node in bound if isinstance(node, ast.Name)}
+    for node in nodes:
+        if isinstance(node, _FUNCTIONS):
+            node.is_wrapped = bool(node.decorator_list) or node.name in names  # type: ignore[union-attr]
+    attributes = {node.attr for node in bound if isinstance(node, ast.Attribute)}
+    for owner in (node for node in nodes if isinstance(node, ast.ClassDef)):
+        targets = [t for part in owner.body if isinstance(part, ast.Assign) for t in part.targets]
+        names = attributes | {target.id for target in targets if isinstance(target, ast.Name)}
+        for method in (part for part in owner.body if isinstance(part, _FUNCTIONS)):
+            is_changed = bool(method.decorator_list or owner.decorator_list)
+            method.is_wrapped = is_changed or method.name in names  # type: ignore[union-attr]
 
 
 def _last(node: ast.Name | ast.Attribute) -> str:

@@ -244,10 +244,11 @@ class NodeSources:
                 and (method := _ALSO.get(node.func.attr, node.func.attr)) in methods
             ):
                 names = methods[method]
-                stars = any(isinstance(a, ast.Starred) for a in node.args) or any(
-                    keyword.arg is None for keyword in node.keywords
-                )
-                arguments = None if stars else by_parameter(node, names)
+                if self.is_node(self.resolve(source, node.func.value)):  # as in Node.create_timer(self, ...)
+                    names = ("self", *names)
+                is_hidden = any(isinstance(a, ast.Starred) for a in node.args)
+                is_hidden |= None in {keyword.arg for keyword in node.keywords}
+                arguments = None if is_hidden else by_parameter(node, names)
                 yield Creation(method, node, arguments, owner, function, source)
 
     def scoped(self, source: PythonSource) -> Sequence[Scoped]:

@@ -133,9 +133,14 @@ def returned(function: Function) -> list[ast.AST]:
     ]
 
 
+def is_wrapped(function: Function) -> bool:
+    """Return whether a decorator or an assignment may make something else of a function than its body says."""
+    return getattr(function, "is_wrapped", bool(function.decorator_list))
+
+
 def gives_no_function(function: Function, call: ast.Call) -> bool:
     """Return whether a call of a function of these files fails, or returns what nothing can call later."""
-    if function.decorator_list:
+    if is_wrapped(function):
         return False
     if isinstance(function, ast.AsyncFunctionDef) or not returns_value(function):
         return True
@@ -165,10 +170,10 @@ def _is_data(function: Function, value: ast.expr) -> bool:
 def what_a_call_makes(function: Function) -> str:
     """Return what a call of a function makes instead of running it: a coroutine or a generator; empty if it runs it.
 
-    What a decorator makes of a function is not known.
+    What a wrapped function makes is not known.
     """
     is_async, yields = isinstance(function, ast.AsyncFunctionDef), is_generator(function)
-    if function.decorator_list or is_async == yields:
+    if is_wrapped(function) or is_async == yields:
         return ""
     return "coroutine" if is_async else "generator"
 
@@ -204,6 +209,6 @@ def as_function(function: Function | None, call: ast.Call, passed: Sequence[str]
 
 def may_fall_through(function: Function) -> bool:
     """Return whether a function may reach its end and return None."""
-    if function.decorator_list or is_generator(function):
+    if is_wrapped(function) or is_generator(function):
         return False
     return not returned(function) or reaches_end(function.body)

@@ -8,13 +8,13 @@ import math
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
 from ros2lab.diagnose.finding import at
-from ros2lab.diagnose.sources.bindings import bound_by
+from ros2lab.diagnose.sources.bindings import Import, bound_by, imports_in
 from ros2lab.diagnose.sources.file_texts import decoded
 from ros2lab.diagnose.sources.marks import mark
 from ros2lab.diagnose.sources.static_value import bound, dotted
@@ -22,24 +22,12 @@ from ros2lab.diagnose.sources.static_value import bound, dotted
 _Kind = TypeVar("_Kind", bound=ast.stmt)
 _Given = TypeVar("_Given", bound=ast.expr | None)
 Function = ast.FunctionDef | ast.AsyncFunctionDef
-_SCOPES = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.Module)
+_SCOPES = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda, ast.ClassDef, ast.Module)
 YIELDS = (ast.Yield, ast.YieldFrom)
 PAUSES = (*YIELDS, ast.Await, ast.AsyncFor, ast.AsyncWith)  # where others may go on before the function does
 
 DEEPEST = 200  # levels; a deeper tree was not written by hand, and is ignored
-MOST_FAULTS = 5  # syntax errors to repair in a file
 LARGEST_FILE = 1_000_000  # bytes; nobody writes more by hand
-
-
-@dataclass(frozen=True)
-class Import:
-    """A name that an import statement binds: `local` stands for `target`, such as `rclpy.node.Node`."""
-
-    local: str
-    target: str
-    line: int
-    is_from: bool
-    is_guarded: bool
 
 
 @dataclass(eq=False)
@@ -96,24 +84,6 @@ class PythonSource:
         _ = self.tree
         return (self.fault.lineno or 1) if self.fault else math.inf
 
-    def as_meant(self) -> PythonSource:
-        """Return the file with lines of syntax errors closed or left out; itself if there are too many."""
-        known = self
-        for _ in range(MOST_FAULTS):
-            line, lines = known.readable_to, known.text.split("\n")
-            if line > len(lines):
-                break
-            at = int(line) - 1
-            begin = lines[at][: -len(lines[at].lstrip()) or None]
-            texts = (f"{lines[at]}:", f"{lines[at]})", "", f"{begin}pass", f"{begin}if True:")
-            changed = ("\n".join([*lines[:at], text, *lines[at + 1 :]]) for text in texts)
-            known = max(
-                (replace(known, text=text) for text in changed), key=lambda candidate: candidate.readable_to
-            )
-            if known.readable_to <= line:
-                break
-        return known if known.readable_to == math.inf else self
-
     def at(self, node: ast.AST | int | None) -> str:
         """Return the place of a node or a line, such as `src/pk/pk/talk.py:12`."""
         return at(self.shown, node if isinstance(node, int) else getattr(node, "lineno", None))
@@ -145,14 +115,31 @@ class PythonSource:
 
     def given(self, node: ast.Name | ast.Attribute) -> Sequence[ast.expr | None]:
         """Return what a name is given where it is bound, or an attribute in the file; None for what is not assigned."""
-        text, scope = ast.unparse(node), self.above(node) if isinstance(node, ast.Name) else None
-        while scope is not None:
-            inner = own_nodes(scope) if isinstance(scope, _SCOPES) else ()
-            if bound := [node for node in inner if text in bound_by(node)]:
-                values = {id(target): value for target, value in assignments(inner)}
-                return [values.get(id(binder)) for binder in bound]
-            scope = self.above(scope)
-        return self.stored.get(text, ())
+        if isinstance(node, ast.Name) and (found := self.binders(node))[0] is not None:
+            values = {id(target): value for target, value in assignments(own_nodes(found[0]))}
+            return [values.get(id(binder)) for binder in found[1]]
+        return self.stored.get(ast.unparse(node), ())
+
+    def binders(self, name: ast.Name) -> tuple[ast.AST | None, Sequence[ast.AST], bool]:
+        """Return the scope whose binding of a name holds at its place, what binds it there, and whether that is around it.
+
+        A function around the name runs later than what is around the function. None and nothing if no scope binds it.
+        """
+        inner: ast.AST = name
+        is_later = False
+        while (scope := self.above(inner)) is not None:
+            # Decorators, defaults, annotations and bases are evaluated in the scope around.
+            is_inside = isinstance(inner, ast.stmt) or inner is getattr(scope, "body", None)
+            if (
+                is_inside
+                and isinstance(scope, _SCOPES)
+                and not (is_later and isinstance(scope, ast.ClassDef))
+            ):
+                if bound := _bound(scope).get(name.id):
+                    return scope, bound, not is_later
+                is_later |= not isinstance(scope, ast.ClassDef)
+            inner = scope
+        return None, (), False
 
     @cached_property
     def classes(self) -> Mapping[str, ast.ClassDef]:
@@ -224,25 +211,15 @@ class PythonSource:
         """Return what a call is assigned to, such as `self.timer`; empty if to nothing."""
         return next((name for name, made in self.made if made is call), "")
 
-    @cached_property
+    @property
     def imports(self) -> tuple[Import, ...]:
         """The names that its import statements bind, anywhere in the file."""
-        return tuple(self._imports(self.tree, is_guarded=False))
+        return tuple(itertools.chain.from_iterable(self.imported.values()))
 
-    def _imports(self, parent: ast.AST, is_guarded: bool) -> Iterator[Import]:
-        for node in children(parent):
-            if isinstance(node, ast.Import):
-                for alias in node.names:
-                    target = alias.name if alias.asname else alias.name.partition(".")[0]
-                    yield Import(alias.asname or target, alias.name, node.lineno, False, is_guarded)
-            elif isinstance(node, ast.ImportFrom):
-                module = self.absolute(node)
-                for alias in node.names:
-                    target = f"{module}.{alias.name}" if module else alias.name
-                    yield Import(alias.asname or alias.name, target, node.lineno, True, is_guarded)
-            else:
-                # An import in a `try` or below a condition does not always happen.
-                yield from self._imports(node, is_guarded or isinstance(node, (ast.Try, ast.If)))
+    @cached_property
+    def imported(self) -> Mapping[ast.AST, list[Import]]:
+        """The import statements anywhere in the file, each with the names that it binds."""
+        return dict(imports_in(self.tree, self.absolute))
 
     def absolute(self, node: ast.ImportFrom) -> str:
         """Return the full name of the module from which a statement imports."""
@@ -254,13 +231,10 @@ class PythonSource:
 
     @cached_property
     def names(self) -> Mapping[str, str]:
-        """The full names of the file's global names: imports, definitions and aliases."""
-        found = {}
-        for imported in self.imports:
-            if imported.is_from or imported.local != imported.target.partition(".")[0]:
-                found[imported.local] = imported.target
-            else:
-                found[imported.local] = imported.local
+        """The full names of the file's global names: imports, definitions and aliases; an inner import where there is no other."""
+        outer, found = {*own_nodes(self.tree)}, dict[str, str]()
+        for statement in sorted(self.imported, key=outer.__contains__):
+            found |= {i.local: i.meant for i in self.imported[statement]}
         for node in self.tree.body:
             if isinstance(node, (ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)):
                 found[node.name] = f"{self.name}.{node.name}"
@@ -281,10 +255,24 @@ class PythonSource:
         name = dotted(node)
         if name is None:
             return None
-        first, _, rest = name.partition(".")
-        if first not in self.names:
-            return name if first in _BUILTINS else None
-        return f"{self.names[first]}.{rest}" if rest else self.names[first]
+        while isinstance(node, ast.Attribute):
+            node = node.value
+        assert isinstance(node, ast.Name)
+        target = self._meaning(node)
+        return f"{target}{name.removeprefix(node.id)}" if target else None
+
+    def _meaning(self, name: ast.Name) -> str | None:
+        """Return the full name of what a name means at its place; None if that is not known, or not always the same."""
+        scope, binders, is_around = self.binders(name)
+        is_local = scope not in (None, self.tree) and not any(isinstance(n, _OUTER) for n in binders)
+        here = [i for n in binders for i in self.imported.get(n, ()) if i.local == name.id]
+        if len(here) != len(binders) or not here:
+            known = self.names.get(name.id, name.id if name.id in _BUILTINS else None)
+            return None if is_local else known
+        if len({i.target for i in here}) > 1 and any(i.is_guarded for i in here):
+            return None
+        before = [i for i in here if is_around and i.line <= name.lineno]
+        return (before or here)[-1].meant
 
     @cached_property
     def constants(self) -> Mapping[str, object]:
@@ -311,6 +299,7 @@ def _constants_in(body: Sequence[ast.stmt]) -> Iterator[tuple[str, object]]:
             yield target.id, value.value
 
 
+_OUTER = (ast.Global, ast.Nonlocal)
 _BUILTINS = {"str", "int", "float", "bool", "dict", "list", "tuple", "bytes", "len", "round", "super"}
 
 
@@ -410,6 +399,17 @@ def own_nodes(function: ast.AST) -> tuple[ast.AST, ...]:
     found: tuple[ast.AST, ...] | None = function.__dict__.get("_own_nodes")
     if found is None:
         found = function.__dict__["_own_nodes"] = tuple(_own_nodes(function))
+    return found
+
+
+def _bound(scope: ast.AST) -> Mapping[str, list[ast.AST]]:
+    """Return the names that a scope binds itself, each with the nodes that bind it."""
+    found: dict[str, list[ast.AST]] | None = scope.__dict__.get("_bound")
+    if found is None:
+        found = scope.__dict__["_bound"] = {}
+        for node in own_nodes(scope):
+            for name in bound_by(node):
+                found.setdefault(name, []).append(node)
     return found
 
 

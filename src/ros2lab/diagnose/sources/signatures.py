@@ -112,10 +112,13 @@ def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
             return signature_by_name(_NODE)
         case ast.Attribute(attr=method) if name is None and method in interfaces.node_members():
             return signature_by_name(f"{_NODE}.{method}")
-    fields = interfaces.fields_of(name)
-    if fields is not None:
-        return Signature(tuple(fields_as_parameters(fields)))
-    return signature_by_name(name) if name and "." in name and not name.startswith(source.name) else None
+    found = signature_by_name(name) if name and "." in name and not name.startswith(source.name) else None
+    is_of_class = str(name).rpartition(".")[0].rpartition(".")[2][:1].isupper()
+    if (
+        found and is_of_class and call.args and ast.unparse(call.args[0]) == "self"
+    ):  # as in Node.create_timer(self, ...)
+        return replace(found, parameters=(Parameter("self", "", "", is_positional=True), *found.parameters))
+    return found
 
 
 def fields_as_parameters(fields: Mapping[str, str]) -> Iterator[Parameter]:
@@ -160,7 +163,10 @@ def kind_of(value: ast.AST) -> str | None:  # noqa: PLR0911 -- a table
 
 @lru_cache(maxsize=64)
 def signature_by_name(name: str) -> Signature | None:
-    """Return the signature of an installed function, or of a class when it is called; None if not known."""
+    """Return the signature of an installed function, or of a class or a message when it is called; None if not known."""
+    fields = interfaces.fields_of(name)
+    if fields is not None:
+        return Signature(tuple(fields_as_parameters(fields)))
     found = _definition(name)
     if found is None:
         return None
