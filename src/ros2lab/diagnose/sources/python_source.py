@@ -211,7 +211,7 @@ class PythonSource:
         """Return what a call is assigned to, such as `self.timer`; empty if to nothing."""
         return next((name for name, made in self.made if made is call), "")
 
-    @property
+    @cached_property
     def imports(self) -> tuple[Import, ...]:
         """The names that its import statements bind, anywhere in the file."""
         return tuple(itertools.chain.from_iterable(self.imported.values()))
