@@ -102,7 +102,7 @@ def hiding_methods(owner: NodeClass, properties: Collection[str]) -> Iterator[tu
 def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding | None:
     """Say how to rename an attribute that hides a method of the same name, wherever it is meant.
 
-    None where something that can be called may be meant to replace the method, or nothing uses the method from then on.
+    None where what is assigned may be called, or is a timer or the like and nothing uses the method from then on.
     """
     name, inner = stored.attr, [*walk(owner.definition)]
     own = [n for n in inner if is_self_attribute(n) and n.attr == name]
@@ -118,7 +118,7 @@ def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding | None:
     first = [*walk(owner.methods.get("__init__", made))]
     before = [n for n in first if stored in first and getattr(n, "lineno", 0) <= stored.lineno]
     early = {id(n) for n in (*walk(made), *before)}
-    if not any(id(n) in methods - early for n in own):
+    if maker and not any(id(n) in methods - early for n in own):
         return None
     lines = sorted({n.lineno for n in own if id(n) not in methods} - {stored.lineno})
     better = free_name(owner, f"{name}_{maker.partition('_')[0] or 'value'}")
