@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Iterator
 
-from ros2lab.diagnose.code.deadlocks import set_elsewhere, where_set
 from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.nodes.endless_loops import (
     endless_loops,
@@ -20,15 +19,15 @@ from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
 from ros2lab.diagnose.nodes.spin_inside import spin_inside
 from ros2lab.diagnose.nodes.unreached import unreached, unreached_faults
+from ros2lab.diagnose.nodes.waits_for_others import waits_for_another
 from ros2lab.diagnose.sources.answered import ends_open, plain_returns, unanswered
 from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
-from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.one_run import (
     blocks,
     in_loops,
     is_always_reached,
-    may_leave,
     own_calls,
     run_once,
 )
@@ -45,7 +44,6 @@ from ros2lab.diagnose.sources.qualities import policies_of
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import calls_in, calls_of
-from ros2lab.diagnose.sources.uses import uses_of
 
 _TRANSITIONS = frozenset(
     f"on_{transition}"
@@ -139,7 +137,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         yield from endless_loops(sources, source, owner, functions, what)
         yield from _waits(sources, source, owner, functions, what)
         yield from _needs_asyncio(sources, source, functions, what)
-        yield from _waits_for_another(sources, source, owner, functions, what)
+        yield from waits_for_another(sources, source, owner, functions, what)
         if what == "the constructor":
             yield from _shut_down_at_first(source, function)
             continue
@@ -412,38 +410,3 @@ def _waits(
                     else f"call {name}() in a separate thread, and let the callback only use the result"
                 )
                 yield Finding("callback-waits", cause, source.at(node), fix)
-
-
-def _waits_for_another(
-    sources: NodeSources, source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
-) -> Iterator[Finding]:
-    """Yield loops that wait for an attribute that only another callback sets, which cannot run meanwhile."""
-    if owner is None or uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
-        return
-    uses = uses_of(sources)
-    for loop in (node for function in functions for node in own_nodes(function)):
-        if not isinstance(loop, ast.While) or not _only_waits(source, loop):
-            continue
-        asked = {n.attr for n in walk(loop.test) if is_self_attribute(n)}
-        for name, setting in (
-            set_elsewhere(owner, functions, loop) if asked.isdisjoint(uses.stored_of_others) else ()
-        ):
-            # What no executor calls may be called by a library, in a thread of its own.
-            if all(id(method) in uses.callbacks for method in setting):
-                first = setting[0]
-                cause = f"In {what}, a loop waits for self.{name}, which {first.name}() sets; but rclpy calls {first.name}() only after this one returns, so it waits forever."
-                yield Finding("callback-waits", cause, source.at(loop), where_set(name, first))
-
-
-def _only_waits(source: PythonSource, loop: ast.While) -> bool:
-    """Return whether only the attributes that a loop asks about, or the end of rclpy, can end it."""
-    asked = [node for node in walk(loop.test) if isinstance(node, (ast.Name, ast.Call))]
-    is_of_self = all(
-        source.resolve(node.func) == "rclpy.ok"
-        if isinstance(node, ast.Call)
-        else node.id in ("self", "rclpy")
-        for node in asked
-    )
-    calls = [node.func for node in calls_in(walk(loop))]
-    may_serve = any("spin" in ast.unparse(called) or is_self_attribute(called) for called in calls)
-    return is_of_self and not may_serve and not may_leave([loop])
