@@ -51,6 +51,9 @@ WRONG = [
     (ADD + "second = SingleThreadedExecutor()\nsecond.add_node(node)\n" + SPIN, "remove `second.add_node(node)`"),
     ("for one in (node, other):\n    executor.add_node(one)\nrclpy.spin_once(node)\n" + SPIN, "write `executor.spin_once()`"),
     (ADD + "node.prepare()\n" + SPIN, "write `self.executor.spin_until_future_complete(future)`"),
+    (ADD + "rclpy.spin(node)", "write `executor.spin()` instead of `rclpy.spin(node)`"),
+    (ADD + "try:\n    rclpy.spin(node)\nfinally:\n    executor.shutdown()", "write `executor.spin()`"),
+    (ADD + "rclpy.spin(other)", "write `executor.add_node(other)` and `executor.spin()` instead"),
     (ADD + "node.ready()\n" + SPIN, "write `self.executor.spin_until_future_complete(future)`"),
 ]  # fmt: skip
 RIGHT = [
@@ -66,6 +69,10 @@ RIGHT = [
     ADD + f"try:\n    {SPIN}\nexcept KeyboardInterrupt:\n    node.ready()\n",
     ADD + f"try:\n    {SPIN}\nfinally:\n    executor.shutdown()\n    {UNTIL}",
     ADD + "executor.spin_once()\n" + UNTIL,
+    ADD + "rclpy.spin(node, executor=executor)",
+    ADD + "node.run(executor)\nrclpy.spin(other)",
+    ADD.replace("executor", "alone") + "rclpy.spin(node)",
+    "alone = SingleThreadedExecutor()\n" + ADD.replace("executor", "alone") + "rclpy.spin(node)",
     ADD + "executor.spin_once()\nexecutor.remove_node(node)\n" + UNTIL + SPIN,
     ADD + "executor.add_node(node.nav)\ntry:\n    " + SPIN + "\nfinally:\n    rclpy.spin_once(node.nav)\n",
     ADD + "executor.add_node(node.nav)\nrclpy.spin_once(node.map)\n" + SPIN,

@@ -22,6 +22,7 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
     for added in additions:
         executor = _executor(added)
         if executor not in _spun(entrance):
+            yield from _never_spun(entrance, added)
             continue
         for later in additions:
             is_same = later.function is added.function and _node(later) == _node(added)
@@ -34,6 +35,36 @@ def two_executors(entrance: Entrance) -> Iterator[Finding]:
                 continue
             if _comes_after(entrance, added, turn) and _is_spun_again(entrance, added, turn):
                 yield _taken_away(added, turn, entrance)
+
+
+def _never_spun(entrance: Entrance, added: Call) -> Iterator[Finding]:
+    """Yield the spin of a node, or of others only, after the node was added to an executor that nothing spins."""
+    executor, node, source = _executor(added), _node(added), added.source
+    kinds = [source.resolve(made.func) or "" for text, made in source.made if text == executor]
+    uses = [n for n in source.nodes if isinstance(n, ast.expr) and ast.unparse(n) == executor]
+    around = [source.above(n) for n in uses if isinstance(getattr(n, "ctx", None), ast.Load)]
+    is_own = len(kinds) == 1 and kinds[0].startswith("rclpy.executors.")
+    if not is_own or any("spin" in last_name(n) or not isinstance(n, ast.Attribute) for n in around):
+        return
+    for spin in entrance.spins:
+        if (
+            spin.name != "rclpy.spin"
+            or spin.function is not added.function
+            or not _has_no_executor(spin.call)
+        ):
+            continue
+        text, line = ast.unparse(spin.call), f"line {added.call.lineno}"
+        if _node(spin) not in _nodes(added):
+            cause = (
+                f"Nothing spins {executor}, to which {line} adds {node}: `{text}` spins only {_node(spin)}."
+            )
+            fix = f"write `{executor}.add_node({_node(spin)})` and `{executor}.spin()` instead of `{text}`"
+        elif kinds[0].endswith(".SingleThreadedExecutor"):
+            continue  # rclpy's own does the same
+        else:
+            cause = f"`{text}` does not use {executor}, to which {line} adds {node}: it spins with rclpy's own executor, in one thread, so a callback that waits for another one waits forever."
+            fix = f"write `{executor}.spin()` instead of `{text}`"
+        yield Finding("not-spinning", cause, source.at(spin.call), fix)
 
 
 def several_threads(entrance: Entrance) -> Iterator[Finding]:
