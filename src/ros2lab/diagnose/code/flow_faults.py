@@ -7,7 +7,8 @@ import itertools
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.code.deadlocks import deadlocks
-from ros2lab.diagnose.finding import Finding, lines_in_words
+from ros2lab.diagnose.code.summed_floats import summed_floats
+from ros2lab.diagnose.finding import Finding, in_a_row, lines_in_words
 from ros2lab.diagnose.sources.entrance import is_lasting
 from ros2lab.diagnose.sources.node_source import CREATORS, Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import blocks, is_steady
@@ -38,8 +39,11 @@ def flow_faults(sources: NodeSources) -> Iterator[Finding]:
             for block in blocks(node):
                 yield from _unreachable(source, block, function or (getattr(node, "name", None) and node))
                 yield from _disordered(sources, source, block)
+        for loop in (node for node in source.nodes if isinstance(node, (ast.For, ast.While))):
+            yield from _one_turn(source, loop)
         yield from _bound_late(source)
         yield from _never_true(source)
+        yield from summed_floats(sources, source)
     yield from deadlocks(sources)
     for creation, function in sources.callbacks():
         yield from _hidden(creation, function)
@@ -174,6 +178,41 @@ def _never_true(source: PythonSource) -> Iterator[Finding]:
                 cause = f"Whenever `{ast.unparse(later.test)}` is true, so is `{ast.unparse(taken.test)}` on line {taken.lineno}, so this is never reached."
                 fix = f"check `{ast.unparse(later.test)}` first, and `{ast.unparse(taken.test)}` after it"
                 yield Finding("unreachable", cause, source.at(later), fix)
+
+
+def _one_turn(source: PythonSource, loop: ast.For | ast.While) -> Iterator[Finding]:
+    """Yield a loop that always ends in its first turn, although something in it is decided or gathered turn by turn."""
+    ends = _ends_of(loop.body)
+    inside = own_nodes(loop)
+    if not ends or loop.orelse or any(isinstance(n, (ast.Continue, *YIELDS)) for n in inside):
+        return
+    is_decided = len(ends) > 1 and (
+        isinstance(loop, ast.For) or not any(isinstance(n, ast.Break) for n in ends)
+    )
+    is_gathered = isinstance(loop, ast.For) and any(isinstance(n, ast.AugAssign) for n in loop.body)
+    if is_decided or is_gathered:
+        over = f"over {ast.unparse(loop.iter)} " if isinstance(loop, ast.For) else ""
+        lines = in_a_row([str(line) for line in sorted({end.lineno for end in ends})])
+        cause = f"This loop {over}always ends in its first turn, on line {lines.replace(' and ', ' or ')}."
+        last = f"`{ast.unparse(ends[-1])}`"
+        fix = f"write {last} below the loop, to the left, instead of in it"
+        if is_decided:
+            fix = f"let only one way end the loop early, and write below it, to the left, what holds if none did, such as {last}"
+        yield Finding("unreachable", cause, source.at(loop), fix)
+
+
+def _ends_of(block: Sequence[ast.stmt]) -> list[ast.stmt]:
+    """Return the statements with which a block leaves the loop around it, in order; empty if a run may come to its end."""
+    ends: list[ast.stmt] = []
+    for statement in block:
+        if isinstance(statement, (ast.Return, ast.Raise, ast.Break)):
+            return [*ends, statement]
+        if isinstance(statement, ast.If):
+            ways = [_ends_of(statement.body), _ends_of(statement.orelse)]
+            ends += [*ways[0], *ways[1]]
+            if all(ways):
+                return ends
+    return []
 
 
 def _is_elif(node: ast.If) -> bool:
