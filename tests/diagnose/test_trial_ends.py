@@ -58,6 +58,38 @@ def test_an_exception_that_comes_only_among_the_others_is_told_once(
     assert [one.code for one in found] == ["python-error"] * is_told
 
 
+@pytest.mark.parametrize(
+    ("line", "error", "word", "is_told"),
+    [
+        ("size = int(msg.data)", "ValueError: invalid literal for int() with base 10: 'dance'", "dance", False),
+        ("size = json.loads(msg.data)", "json.decoder.JSONDecodeError: Expecting value: line 1 column 1 (char 0)", "dance", False),
+        ("self.state = Mode(msg.data)", "ValueError: 'dance' is not a valid Mode", "dance", False),
+        ("left, right = msg.data.split()", "ValueError: not enough values to unpack (expected 2, got 1)", "dance", False),
+        ("raise RuntimeError('what is that?')", "RuntimeError: what is that?", "dance", False),
+        ("self.state = STATES[msg.data]", "KeyError: 'dance'", "dance", False),
+        ("words = msg.data.split()\n        self.state = words[1]", "IndexError: list index out of range", "dance", False),
+        ("self.state = STATES[msg.data]", "KeyError: 'start'", "start", True),
+        ("self.state = STATES['speed']", "KeyError: 'speed'", "dance", True),
+        ("self.state = self.sizes[3]", "IndexError: list index out of range", "dance", True),
+        ("self.loger.info(msg.data)", "AttributeError: 'CommandSubscriber' object has no attribute 'loger'", "dance", True),
+    ],
+)  # fmt: skip
+def test_what_a_text_of_no_meaning_does_is_no_fault(
+    tmp_path: Path, line: str, error: str, word: str, *, is_told: bool
+) -> None:
+    """What it does to every text is, and what it does to a word of its own."""
+    head = "    def command_callback(self, msg):\n"
+    root = right_workspace().change("listener", head, f"{head}        {line}\n").write(tmp_path)
+    (path,) = root.glob("src/*/*/command_subscriber.py")
+    last = line.splitlines()[-1].strip()
+    number = next(n for n, text in enumerate(found_text(root), 1) if text.strip() == last)
+    said = f'Traceback (most recent call last):\n  File "{path}", line {number}, in command_callback\n    {last}\n{error}\n'
+    command = CommandSeen(word, [["ERROR", said.splitlines()[0]]], {}, {}, is_alive=False)
+    run = run_of("command_subscriber", "/robot/echo", STRING, None)
+    run = replace(run, commands=[command], ended={"command_subscriber": said}, commanded="/robot/command")
+    assert bool(told(root, run)) is is_told
+
+
 def test_of_a_client_what_happens_among_the_nodes_that_it_asks_is_told(tmp_path: Path) -> None:
     """Alone it fails at another thing: there is nobody to answer."""
     made = "        self.count = 0\n"
@@ -201,6 +233,42 @@ def test_a_node_that_only_publishes_needs_no_spin(tmp_path: Path, also: str, is_
     run = run_of("status_publisher", "/robot/report", STRING, SAID)
     run = replace(run, nodes=["/second"], parameters={})
     assert [one.code for one in told(root, run)] == ["not-spinning"] * is_told
+
+
+@pytest.mark.parametrize(
+    ("main", "is_told"),
+    [
+        ("    while rclpy.ok():\n        wait_for_message(String, node, 'other', time_to_wait=1.0)\n", False),
+        ("    node.create_subscription(String, 'other', print, 10)\n    while rclpy.ok():\n        time.sleep(1.0)\n", True),
+        ("    node.create_subscription(String, 'other', lambda msg: None, 10)\n    node.rate.sleep()\n", True),
+    ],
+)  # fmt: skip
+def test_a_program_without_callbacks_needs_no_spin(tmp_path: Path, main: str, *, is_told: bool) -> None:
+    """It may receive without: what it subscribes to then, it gets as it asks."""
+    files = right_workspace().change(
+        "node", "    node = StatusPublisher()\n", "    node = rclpy.create_node('status_publisher')\n"
+    )
+    root = files.change(
+        "node", "    try:\n        rclpy.spin(node)\n", f"{main}    try:\n        pass\n"
+    ).write(tmp_path)
+    run = replace(run_of("status_publisher", "/robot/report", STRING, SAID), parameters={})
+    run = replace(run, subscribes={"/other": {"/status_publisher": [STRING]}})
+    assert [one.code for one in told(root, run)] == ["not-spinning"] * is_told
+
+
+@pytest.mark.parametrize(
+    ("loop", "names"),
+    [
+        ("    while rclpy.ok():\n        rclpy.spin_once(node, timeout_sec=0.0)\n        time.sleep(3.0)\n", {"timer_callback"}),
+        ("", set()),
+    ],
+)  # fmt: skip
+def test_a_node_whose_callbacks_ran_is_spun_now_and_then(tmp_path: Path, loop: str, names: set[str]) -> None:
+    """Then it is not said that it is not spun; of one with a lasting spin, it is a callback that does not return."""
+    found = seen_unspun(tmp_path, f"{loop}    try:\n        {'pass' if loop else 'rclpy.spin(node)'}\n", "")
+    lines = next(tmp_path.glob("src/*/*/status_publisher.py")).read_text().splitlines()
+    places = [int(place.rpartition(":")[2]) for place in found.never]
+    assert {lines[line - 1].split("(")[0].split()[-1] for line in places} == names
 
 
 @pytest.mark.parametrize(

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import ast
+import builtins
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN, Finding
 from ros2lab.diagnose.printed.error_text import read_error
-from ros2lab.diagnose.printed.spots import spot_of
+from ros2lab.diagnose.printed.spots import Spot, spot_of
+from ros2lab.diagnose.sources.python_source import parameters
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.judging.player import finds_no_keyboard
+
+UNKNOWN_WORD = "dance"  # means nothing to any robot
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
@@ -58,7 +62,29 @@ def _is_of_words_of_ours(seen: Seen, run: Run) -> bool:
     word = word_that_ended(run)
     ends = [other_run for other_run in seen.together if run.programs[0] in other_run.ended]
     is_ours = word is not None and word not in made(seen) and None not in map(word_that_ended, ends)
-    return is_fed and (is_ours or not ends)
+    return (is_fed and (is_ours or not ends)) or _is_refused(seen, run)
+
+
+def _is_refused(seen: Seen, run: Run) -> bool:
+    """Return whether a program ended because it does not take a text that means nothing: for its value, or on purpose."""
+    report = read_error(run.ended.get(run.programs[0]) or "").report
+    if report is None or word_that_ended(run) != UNKNOWN_WORD:
+        return False
+    spot = spot_of(report, seen.look)
+    given = {parameter.arg for parameter in parameters(spot.function)} - {"self"} if spot.function else set()
+    is_of_given = any(getattr(node, "id", "") in given for node in _behind(spot))
+    kind = getattr(builtins, report.kind, ValueError if report.kind == "JSONDecodeError" else None)
+    is_of_value = isinstance(kind, type) and issubclass(kind, (ValueError, IndexError)) and is_of_given
+    is_raised = any(isinstance(node, ast.Raise) for node in spot.nodes)
+    return is_raised or is_of_value or (kind is KeyError and UNKNOWN_WORD in report.message)
+
+
+def _behind(spot: Spot) -> Iterator[ast.AST]:
+    """Yield the syntax nodes of a line's statement, and of the values of the names in it."""
+    yield from spot.whole
+    for node in spot.whole:
+        if isinstance(node, (ast.Name, ast.Attribute)):
+            yield from (inner for value in spot.assigned(ast.unparse(node)) for inner in ast.walk(value))
 
 
 def needs_others(seen: Seen, run: Run) -> bool:
@@ -83,10 +109,7 @@ def explained(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
 def lacks_arguments(seen: Seen, said: str) -> bool:
     """Return whether a program failed in a line about its arguments, of which it is given none while it is watched."""
     spot = spot_of(read_error(said).report, seen.look)
-    read = {node.id for node in spot.whole if isinstance(node, ast.Name)}
-    values = [value for name in read for value in spot.assigned(name)]
-    nodes = [*spot.whole, *(inner for value in values for inner in ast.walk(value))]
-    return any(getattr(node, "attr", getattr(node, "id", "")) == "argv" for node in nodes)
+    return any(getattr(node, "attr", getattr(node, "id", "")) == "argv" for node in _behind(spot))
 
 
 def made(seen: Seen) -> set[str]:

@@ -27,7 +27,7 @@ from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.senses import is_still, sense
 from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
-from ros2lab.trial.ends import ended_together, explained, is_told_alone, made, needs_others
+from ros2lab.trial.ends import UNKNOWN_WORD, ended_together, explained, is_told_alone, made, needs_others
 from ros2lab.trial.made_by_words import is_made_by_words
 from ros2lab.trial.timers import pauseless
 from ros2lab.trial.unended import unended_faults
@@ -38,7 +38,6 @@ LONGEST_PAUSE = 1.0  # s between two velocities; a robot that receives none for 
 LONGEST_WORD = 30  # letters
 # Ways to control a program besides topics, which nobody uses while it is watched.
 ASKS = frozenset(("create_service", "create_client", "add_post_set_parameters_callback", "input", "stdin"))
-UNKNOWN_WORD = "dance"  # means nothing to any robot
 
 
 @dataclass(frozen=True)

@@ -253,12 +253,12 @@ def _triggered(entrance: Entrance, spin: Call, missing: Sequence[str]) -> str:
             whole = re.sub(re.escape(ast.unparse(made)), "node", ast.unparse(spin.call), count=1)
             return f"write {', '.join(steps)} and `{whole}` instead of line {spin.call.lineno}"
         case _:
-            node = _kept(entrance)
+            node = kept_as(entrance)
     steps = [f"`{node}.trigger_{transition}()`" for transition in missing]
     return f"write {' and '.join(steps)} above line {spin.call.lineno}, `{ast.unparse(spin.call)}`"
 
 
-def _kept(entrance: Entrance) -> str:
+def kept_as(entrance: Entrance) -> str:
     """Return the variable of the first node that a program makes; "node" if there is none."""
     for statement in walk(entrance.node.function) if entrance.node else ():
         match statement:

@@ -16,6 +16,7 @@ from ros2lab.diagnose.sources.entrance import Entrance
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 from ros2lab.grading.evidence import Run
+from ros2lab.trial.unmade import kept_as
 from ros2lab.trial.waited import waited_for
 
 if TYPE_CHECKING:
@@ -39,15 +40,17 @@ def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding | None:
         left = [one for one in left_out(found, is_unspun=True) if one.code == "not-spinning"]
         told = next(two_executors(found), None) or next(second_spins(found), None)
         told = told or (left[0] if len(left) == 1 else None)
-        if told := told or _waiting(found, run, spot, is_called_back=is_called_back):
+        if told := told or _waiting(found, spot, is_called_back=is_called_back):
             return told
-        if not _may_miss(found, run):
+        if not found.has_callbacks:
             return None
+    is_lasting = found is None or is_called_back or any(spin.is_lasting for spin in found.spins)
     return Finding(
         "not-spinning",
         f"The node {node} does not respond: it is not spun, or one of its callbacks or its constructor does not return.",
         spot.source.at(spot.line) if spot and spot.source else seen.main(name),
         "write rclpy.spin(node) in main, and do not wait, sleep or loop in a constructor or callback",
+        never=() if found is None or is_lasting else _callbacks(found),
     )
 
 
@@ -63,12 +66,15 @@ def _stood(seen: Seen, said: str) -> tuple[Spot | None, bool]:
     return spot, is_called_back
 
 
-def _may_miss(entrance: Entrance, run: Run) -> bool:
-    """Return whether a program has callbacks, which are not called without a spin."""
-    return entrance.has_callbacks or any(topic != "/clock" for topic in run.subscribes)
+def _callbacks(entrance: Entrance) -> tuple[str, ...]:
+    """Return the places of a program's callbacks, none of which is called without a spin."""
+    callbacks = entrance.sources.callbacks()
+    return tuple(
+        made.source.at(function) for made, function in callbacks if made.function in entrance.functions
+    )
 
 
-def _waiting(entrance: Entrance, run: Run, spot: Spot | None, *, is_called_back: bool) -> Finding | None:
+def _waiting(entrance: Entrance, spot: Spot | None, *, is_called_back: bool) -> Finding | None:
     """Return the fault of the line in which a program waits; None if it is not known."""
     source = spot.source if spot else None
     if spot is None or source is None:
@@ -86,10 +92,10 @@ def _waiting(entrance: Entrance, run: Run, spot: Spot | None, *, is_called_back:
     if is_called_back or is_spin or spot.function is None:
         return None
     names = [parameter.arg for parameter in spot.function.args.args[:1]]
-    node_name = "self" if names == ["self"] else _kept(entrance)
+    node_name = "self" if names == ["self"] else kept_as(entrance)
     if told := _until_done(source, spot.function, spot.line, node_name):
         return told
-    if node_name == "self" or not _may_miss(entrance, run):
+    if node_name == "self" or not entrance.has_callbacks:
         return None
     return Finding(
         "not-spinning",
@@ -97,6 +103,7 @@ def _waiting(entrance: Entrance, run: Run, spot: Spot | None, *, is_called_back:
         source.at(spot.line),
         f"write `threading.Thread(target=rclpy.spin, args=({node_name},), daemon=True).start()` above line {_outermost(spot)}, "
         "or do its work in a timer callback and write rclpy.spin instead",
+        never=_callbacks(entrance),
     )
 
 
@@ -159,16 +166,6 @@ def _makers(sources: NodeSources, client: ast.expr) -> Iterator[str]:
                     targets=[target], value=ast.Call(func=ast.Attribute(attr="create_client", value=maker))
                 ) if name and getattr(target, "attr", getattr(target, "id", "")) == name:
                     yield ast.unparse(maker)
-
-
-def _kept(entrance: Entrance) -> str:
-    """Return the variable of the first node that a program makes; "node" if there is none."""
-    node = entrance.node
-    for statement in walk(node.function) if node else ():
-        match statement:
-            case ast.Assign(targets=[ast.Name(id=name)], value=value) if node and value is node.call:
-                return name
-    return "node"
 
 
 def _only_publishes(entrance: Entrance, node: str) -> bool:
