@@ -13,6 +13,7 @@ from workspace_files import NAMES, Files
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.trial.witnessed import environ_in, witnessed
+from ros2lab.trial.witnessed import is_contradicted as judged
 
 NAME = NAMES[0]
 PROGRAM = """\
@@ -56,7 +57,8 @@ def noted(
         command = [sys.executable, "-c", f"import {NAME.package}.{Path(files.path('node')).stem}"]
         done = subprocess.run(command, cwd=module, env=environ, capture_output=True, text=True, check=False)
         printed.append(done.stdout + done.stderr)
-    return *printed, *witnessed(notes, Look(root))[:2]  # type: ignore[return-value]
+    found = witnessed(notes, Look(root))
+    return *printed, found.wrong, [*found.never, *found.steady]  # type: ignore[return-value]
 
 
 @pytest.mark.parametrize(
@@ -64,6 +66,7 @@ def noted(
     [
         ("if step == 'left': self.turns.append(1)\nelif step == 'jump': self.turns.append(2)", "[]", "never-equal", "write `step = step.strip()` above line 12"),
         ("if step.strip() == 'stop': self.turns.append(1)", "[]", "never-equal", ""),
+        ("if sum([0.1] * number) == 0.3: self.turns.append(1)", "[]", "never-equal", "compare with `math.isclose(sum([0.1] * number), 0.3, abs_tol=1e-9)`"),
         ("for one in self.steps: self.turns.append(one)", "map(str, [1, 2])", "used-up", "write list(...) around the value given to self.steps"),
         ("for one in self.steps: self.turns.append(one)", "(n for n in (1, 2))", "used-up", "list(...)"),
         ("for one in self.steps: self.steps.remove(one)", "[1, 2, 3, 4]", "changed-in-loop", "write `in list(self.steps)`"),
@@ -97,6 +100,57 @@ def test_a_program_does_the_same_and_nothing_is_wrong(tmp_path: Path, body: str,
     assert wrong == []
 
 
+@pytest.mark.parametrize(
+    ("body", "has_changed"),
+    [("if number > 9: self.turns.append(1)", True), ("if len(self.steps) > 9: self.turns.append(1)", False)],
+)
+def test_a_condition_of_which_nothing_changed_may_wait_for_what_did_not_come(
+    tmp_path: Path, body: str, *, has_changed: bool
+) -> None:
+    noted(body, tmp_path)
+    found = witnessed(tmp_path / "notes", Look(tmp_path / "ws"))
+    assert (len(found.never), len(found.steady), found.wrong) == (has_changed, not has_changed, [])
+
+
+def test_the_checks_of_two_runs_do_not_follow_each_other(tmp_path: Path) -> None:
+    *_, never = noted("if number > 9: self.turns.append(1)", tmp_path)
+    assert "in 5 checks" in never[0].cause
+    (file,) = (tmp_path / "notes" / "noted").glob("*.json")
+    file.with_name("2.json").write_text(file.read_text(encoding="utf-8"), encoding="utf-8")
+    found = witnessed(tmp_path / "notes", Look(tmp_path / "ws"))
+    assert [one.cause for one in found.never] == [never[0].cause]
+
+
+@pytest.mark.parametrize(
+    ("body", "code", "is_contradicted"),
+    [
+        ("self.turns.append(number)", "argument-order", True),
+        ("self.turns.append(\n    number\n)", "argument-type", True),
+        ("self.turns.append(number)", "unreachable", True),
+        ("self.turns.append(number)", "callback-called", False),  # it fails later
+        ("self.turns.append(number)", "period", False),  # it fails nowhere
+        ("if number > 99: self.turns.append(number)", "argument-order", False),
+        ("self.turns.append(number > 99 and step.data)", "argument-order", False),
+        ("self.later = lambda: step.data", "attribute-missing", False),
+        (
+            "try:\n    self.turns.append(number, number)\nexcept TypeError:\n    pass",
+            "argument-unknown",
+            False,
+        ),
+    ],
+)
+def test_a_line_that_came_to_its_end_does_not_fail(
+    tmp_path: Path, body: str, code: str, *, is_contradicted: bool
+) -> None:
+    noted(body, tmp_path)
+    look = Look(tmp_path / "ws")
+    (source,) = (one for one in look.files if "class Dancer" in one.text)
+    lines = source.text.splitlines()
+    line = next(n for n, text in enumerate(lines, 1) if "self.turns.append" in text or "self.later" in text)
+    found = Finding(code, "It fails.", source.at(line))
+    assert judged(found, look, witnessed(tmp_path / "notes", look)) is is_contradicted
+
+
 def test_a_name_that_an_imported_file_never_has_is_as_it_should_be(tmp_path: Path) -> None:
     *_, wrong, never = noted("if __name__ == '__main__': self.turns.append(1)", tmp_path)
     assert (wrong, never) == ([], [])
@@ -120,7 +174,7 @@ def test_an_error_names_the_line_that_it_names_without(tmp_path: Path) -> None:
 def test_which_functions_were_called_is_known(tmp_path: Path) -> None:
     noted("if number > 2: self.turns.append(number)", tmp_path)
     look = Look(tmp_path / "ws")
-    _, _, called = witnessed(tmp_path / "notes", look)
+    called = witnessed(tmp_path / "notes", look).called
     lines = {line for source, line in called if source.path and "main" in source.text}
     text = (
         tmp_path / "ws" / "src" / NAME.package / Files.right(NAME).path("node").split("/", 2)[2]
@@ -161,5 +215,7 @@ def test_the_classes_of_the_objects_are_noted(tmp_path: Path) -> None:
     done = subprocess.run(command, cwd=module, env=environ, capture_output=True, text=True, check=False)
     assert (done.stdout, done.stderr) == ("Lion\n", "")
     lines = KINDS.splitlines()
-    ran = {lines[line - 1].partition("(")[0].partition(":")[0] for _, line in witnessed(notes, Look(root))[2]}
+    ran = {
+        lines[line - 1].partition("(")[0].partition(":")[0] for _, line in witnessed(notes, Look(root)).called
+    }
     assert ran == {"    def tell", "class Lion", "    def __init__", "class Den"}

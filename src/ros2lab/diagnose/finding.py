@@ -166,6 +166,13 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("name-missing", "attribute-unknown", "python-error", SAID, UNKNOWN),
     ("axis",),  # correct for anything but a robot on the ground
 )
+# Lines with these run; what they lead to fails later, elsewhere.
+_LATER = frozenset(
+    (
+        *("comma-missing", "comma-tuple", "name-shadowed", "name-hidden", "callback-called"),
+        *("callback-missing", "callback-arguments", "parameter-type", "string-data-type", "field-type"),
+    )
+)
 _STAGE_OF = {code: stage for stage, codes in enumerate(STAGES) for code in codes}
 
 
@@ -212,6 +219,11 @@ def stops_build(finding: Finding) -> bool:
 def stops_node(finding: Finding) -> bool:
     """Return whether a line with this finding fails when it runs."""
     return _STAGE_OF[finding.code] < _STAGE_OF["message-compared"]
+
+
+def fails_there(finding: Finding) -> bool:
+    """Return whether a finding is untrue if its line comes to its end when it runs."""
+    return finding.code == "unreachable" or (stops_node(finding) and finding.code not in _LATER)
 
 
 def keeps_from_working(finding: Finding) -> bool:

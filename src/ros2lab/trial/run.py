@@ -36,11 +36,12 @@ from ros2lab.grading.sandbox.open_world import OpenWorld
 from ros2lab.grading.watching.job import Job, Program
 from ros2lab.grading.watching.observe import SHOWN, Observer
 from ros2lab.scratch import scratch_folder
+from ros2lab.trial.ends import UNKNOWN_WORD
 from ros2lab.trial.retold import without_retold
-from ros2lab.trial.seen import UNKNOWN_WORD, Seen, seen_faults
+from ros2lab.trial.seen import Seen, seen_faults
 from ros2lab.trial.story import told_of
 from ros2lab.trial.unmade import unmade_faults
-from ros2lab.trial.witnessed import environ_in, is_idle, witnessed
+from ros2lab.trial.witnessed import environ_in, is_contradicted, witnessed
 from ros2lab.workspace import Workspace
 
 MOST_PROGRAMS = 10
@@ -94,21 +95,21 @@ def try_out(
         show(f"running {', '.join(program.name for program in programs)}")
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch(jobs)
-        wrong, never, called = witnessed(notes, look)
+        noted = witnessed(notes, look)
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
     seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
+    called = noted.called
     shown = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
-    ran = {source.at(line) for source, line in called}
-    read = [
-        finding for finding in read if ran.isdisjoint(finding.never) and not is_idle(finding, look, called)
-    ]
-    found = [*without_retold(shown, read, look)]
+    read = [finding for finding in read if not is_contradicted(finding, look, noted)]
+    possible = (finding for finding in shown if noted.ran.isdisjoint(finding.never))
+    found = [*noted.wrong, *without_retold(possible, read, look)]
     # A condition that is never true may be intended, but may also explain other findings.
+    conditions = [*noted.steady, *(noted.never if not found else ())]
     story = [
         *(told_of(seen, run, called) for run in seen.alone),
-        *([] if found or wrong else (f"{finding.cause} ({finding.place})" for finding in never)),
+        *(f"{finding.cause} ({finding.place})" for finding in conditions),
     ]
-    return Trial(ranked([*wrong, *(never if found or wrong else []), *found]), story, read)
+    return Trial(ranked([*found, *(noted.never if found else ())]), story, read)
 
 
 def _why_none(look: Look) -> str:

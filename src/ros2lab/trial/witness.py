@@ -1,8 +1,8 @@
 """Records the conditions, loops and objects of some files inside a running program; imports nothing of ros2lab.
 
 Programs import it as `sitecustomize`. At exit each process writes a file: for each condition, how often it was
-true and false and what was compared the last time; for each loop, how many iterations it had each time; and which
-functions were called, on objects of which classes. Nothing else in the program changes, and a file that cannot be instrumented is left as it is.
+true and false and what was compared the last time; for each loop, how many iterations it had each time; which
+functions were called, on objects of which classes; and which statements came to their end. Nothing else in the program changes, and a file that cannot be instrumented is left as it is.
 """
 
 # Every program imports it first, so it must not import pathlib.
@@ -14,6 +14,7 @@ import builtins
 import contextlib
 import importlib.machinery
 import json
+import math
 import operator
 import os
 import sys
@@ -23,7 +24,8 @@ from typing import Any
 
 WATCHED = "ROS2LAB_WITNESS"  # holds the folder for the notes, and the folders of the files to watch
 _CONDITIONS, _LOOPS, _CALLS = "ros2lab_conditions", "ros2lab_loops", "ros2lab_calls"
-_OBJECTS = "ros2lab_objects"
+_OBJECTS, _DONE = "ros2lab_objects", "ros2lab_done"
+_SIMPLE = (ast.Expr, ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Import, ast.ImportFrom, ast.Delete)
 _LONGEST, _MOST_TIMES = 60, 1000
 _SHORT = frozenset(
     ("rclpy.duration", "rclpy.time", "datetime", "enum")
@@ -54,12 +56,17 @@ def _shown(value: object) -> str:
 
 
 class _Condition:
-    """How often a condition was true and false, and the values of its sides the last time."""
+    """How often a condition was true and false, the values of its sides the last time, and whether they changed.
+
+    Of two floats that are not equal, also the values with which they nearly were.
+    """
 
     def __init__(self, sign: Callable[[Any, Any], Any] = operator.eq) -> None:
         self.sign = sign
         self.held = self.failed = 0
         self.sides: list[str] = []
+        self.near: list[str] = []
+        self.has_changed = False
 
     def noted(self, result: Any, *sides: object) -> Any:
         try:
@@ -67,7 +74,12 @@ class _Condition:
         except Exception:
             return result
         self.held, self.failed = self.held + holds, self.failed + (not holds)
-        self.sides = [_shown(side) for side in sides]
+        shown = [_shown(side) for side in sides]
+        self.has_changed |= bool(self.sides) and shown != self.sides
+        self.sides = shown
+        kinds = {*map(type, sides)}
+        if self.sign is operator.eq and not holds and float in kinds and kinds <= {float, int}:
+            self.near = shown if math.isclose(*sides, rel_tol=1e-9, abs_tol=1e-9) else self.near  # type: ignore[arg-type]
         return result
 
     def compared(self, left: Any, right: Any) -> Any:
@@ -95,8 +107,14 @@ class _Loop:
                 self.turns.append((done, type(values).__name__, least, is_left))
 
 
+def _stands_first(node: ast.stmt) -> bool:
+    """Return whether a statement may have to be the first of its file: a docstring, or an import of the future."""
+    is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    return is_text or (isinstance(node, ast.ImportFrom) and node.module == "__future__")
+
+
 class _Noting(ast.NodeTransformer):
-    """Instruments each condition, each loop and each function of a file."""
+    """Instruments each condition, each loop, each function and each simple statement of a file."""
 
     def __init__(self, path: str) -> None:
         self.path = path
@@ -118,6 +136,9 @@ class _Noting(ast.NodeTransformer):
             if given := [*node.args.posonlyargs, *node.args.args][:1]:  # of a method, the object
                 shown = ast.Call(ast.Name(_OBJECTS, ast.Load()), [ast.Name(given[0].arg, ast.Load())], [])
                 node.body.insert(int(has_text), ast.copy_location(ast.Expr(shown), node.body[0]))
+        elif isinstance(node, _SIMPLE) and not _stands_first(node):
+            noting = ast.Call(ast.Name(_DONE, ast.Load()), [ast.Constant(self._key(node))], [])
+            return [node, ast.copy_location(ast.Expr(noting), node)]
         return node
 
     def _condition(self, test: ast.expr) -> ast.expr:
@@ -177,6 +198,8 @@ def _begin() -> None:
     setattr(builtins, _LOOPS, loops)
     calls: set[str] = set()
     setattr(builtins, _CALLS, calls)
+    done: set[str] = set()
+    setattr(builtins, _DONE, done.add)
     kinds: dict[int, type] = {}
 
     def note_object(found: object) -> None:
@@ -190,9 +213,11 @@ def _begin() -> None:
         }
         told = {
             "conditions": {
-                key: [condition.held, condition.failed, condition.sides] for key, condition in asked.items()
+                key: [found.held, found.failed, found.sides, found.has_changed, found.near]
+                for key, found in asked.items()
             },
             "calls": dict.fromkeys(calls),
+            "done": dict.fromkeys(done),
             "classes": [*map(_written, kinds.values())],
             "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
         }

@@ -9,12 +9,15 @@ import os
 import shutil
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, fails_there
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import spot_at
+from ros2lab.diagnose.sources.one_run import is_always_reached
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.spelling import with_article
 from ros2lab.trial.witness import WATCHED
@@ -49,8 +52,32 @@ def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, st
 Called = frozenset[tuple[PythonSource, int]]
 
 
-def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding], Called]:
-    """Return what was noted: certain findings, those about conditions that were never true, and what was called.
+@dataclass(frozen=True)
+class Witnessed:
+    """What was noted.
+
+    Attributes:
+        wrong: certain findings.
+        never: those about conditions that were never true, although what they compare changed.
+        steady: those about others, of which nothing that was compared ever changed: it may only not have come.
+        called: what was called.
+        done: the places of the statements that came to their end.
+    """
+
+    wrong: list[Finding]
+    never: list[Finding]
+    steady: list[Finding]
+    called: Called
+    done: frozenset[str]
+
+    @cached_property
+    def ran(self) -> set[str]:
+        """The places of what was called."""
+        return {source.at(line) for source, line in self.called}
+
+
+def witnessed(folder: Path, look: Look) -> Witnessed:
+    """Return what was noted.
 
     Args:
         folder: the folder with the notes.
@@ -60,20 +87,25 @@ def witnessed(folder: Path, look: Look) -> tuple[list[Finding], list[Finding], C
     by_text = {source.text: source for source in sources if source.path}
     conditions: dict[_Spot, list[Any]] = {}
     loops = defaultdict[_Spot, list[Any]](list)
-    called = set[tuple[PythonSource, int]]()
+    called, done = set[tuple[PythonSource, int]](), set[str]()
     for file in sorted((folder / "noted").glob("*.json")):
         with contextlib.suppress(OSError, ValueError):
             told = json.loads(file.read_text(encoding="utf-8"))
-            for spot, (held, failed, sides) in _spots(told["conditions"], by_text):
-                before = conditions.get(spot, [0, 0, []])
-                conditions[spot] = [before[0] + held, before[1] + failed, sides or before[2]]
+            for spot, (held, failed, sides, *more) in _spots(told["conditions"], by_text):
+                was = conditions.get(spot, [0, 0, [], False, []])
+                # Two runs begin anew: their checks do not follow each other.
+                best = max((was, [held, failed, sides, *more]), key=lambda one: (len(one[4]), one[1]))
+                conditions[spot] = [was[0] + held, *best[1:]]
             for spot, turns in _spots(told["loops"], by_text):
                 loops[spot] += turns
             called |= {(source, line) for (source, line, _), _ in _spots(told["calls"], by_text)}
             called |= {*_classes(told["classes"], by_text)}
+            done |= {source.at(line) for (source, line, _), _ in _spots(told["done"], by_text)}
     never = [*_never_true(conditions)]
-    wrong = [*_cut_short(loops), *(finding for finding, is_near in never if is_near)]
-    return wrong, [finding for finding, is_near in never if not is_near][:MOST], frozenset(called)
+    near, changed, steady = ([one for one, how in never if how == kind] for kind in ("near", "changed", ""))
+    return Witnessed(
+        [*_cut_short(loops), *near], changed[:MOST], steady[:MOST], frozenset(called), frozenset(done)
+    )
 
 
 def _spots(told: Mapping[str, Any], by_text: Mapping[str, PythonSource]) -> Iterator[tuple[_Spot, Any]]:
@@ -122,13 +154,13 @@ def _is_used_up(whole: Sequence[Any]) -> bool:
     return is_once and whole[0][0] > 0 and not any(done for done, *_ in whole[1:])
 
 
-def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Finding, bool]]:
-    """Yield comparisons that were never true, and whether the two sides were nearly equal.
+def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Finding, str]]:
+    """Yield comparisons that were never true, and how far the two sides came: "near" each other, or "changed".
 
-    Those with nearly equal sides come first, then those with ==.
+    Those with ==, and then the others, in the order of the files.
     """
     found = []
-    for (source, line, column), (held, failed, sides) in conditions.items():
+    for (source, line, column), (held, failed, sides, has_changed, near) in conditions.items():
         node = _node(source, line, column, ast.Compare)
         if not isinstance(node, ast.Compare) or held or failed < LEAST or "None" in sides or len(sides) != 2:
             continue
@@ -136,27 +168,22 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
         is_equal = isinstance(node.ops[0], ast.Eq)
         if isinstance(node.ops[0], _DENIALS) or _is_of_module(node):
             continue  # a guard that never fires is as it should be, and so is an imported module's __name__
-        last = [
-            f"{text} was {value}" for text, value in ((left, sides[0]), (right, sides[1])) if text != value
-        ]
-        cause = f"During the run, `{ast.unparse(node)}` was never true in {failed} checks; at the last one, {' and '.join(last)}."
+        shown = zip((left, right), near or sides, strict=True)
+        last = " and ".join(f"{text} was {value}" for text, value in shown if text != value)
+        cause = f"During the run, `{ast.unparse(node)}` was never true in {failed} checks; at {'one of them' if near else 'the last one'}, {last}."
         change = _made_alike(*sides) if is_equal else ""
         above = min(at for at, compared_text in _compared(source) if compared_text == left)
-        fix = (
-            f"write `{left} = {left}{change}` above line {above}"
-            if change
-            else f"check what {left} should be there"
-        )
-        found.append(
-            (
-                not change,
-                not is_equal,
-                source.shown,
-                line,
-                Finding("never-equal", cause, source.at(line), fix),
+        fix = f"check what {left} should be there"
+        if change:
+            fix = f"write `{left} = {left}{change}` above line {above}"
+        elif near:
+            fix = (
+                f"compare with `math.isclose({left}, {right}, abs_tol=1e-9)`: floats are rarely exactly equal"
             )
-        )
-    yield from ((finding, not is_far) for is_far, *_, finding in sorted(found, key=lambda row: row[:4]))
+        how = "near" if change or near else "changed" if has_changed else ""
+        finding = Finding("never-equal", cause, source.at(line), fix)
+        found.append((not is_equal, source.shown, line, finding, how))
+    yield from ((finding, how) for *_, finding, how in sorted(found, key=lambda row: row[:3]))
 
 
 def _is_of_module(node: ast.Compare) -> bool:
@@ -164,13 +191,22 @@ def _is_of_module(node: ast.Compare) -> bool:
     return any(isinstance(inner, ast.Name) and inner.id == "__name__" for inner in ast.walk(node))
 
 
-def is_idle(finding: Finding, look: Look, called: Called) -> bool:
-    """Return whether a finding says that a function runs again and again which never ran, although its file did."""
-    if finding.code not in ("timer-in-callback", "made-again"):
-        return False
+def is_contradicted(finding: Finding, look: Look, noted: Witnessed) -> bool:
+    """Return whether the run did what a finding says cannot happen.
+
+    Code that never runs ran, a line that fails came to its end, or a function did not run that runs again and again.
+    """
+    if not noted.ran.isdisjoint(finding.never):
+        return True
     spot = spot_at(finding.place, look)
-    ran = {line for source, line in called if source == spot.source}
-    return spot.function is not None and bool(ran) and spot.function.lineno not in ran
+    if finding.code in ("timer-in-callback", "made-again"):
+        has_run = any(source == spot.source for source, _ in noted.called)
+        return has_run and spot.function is not None and spot.file.at(spot.function) not in noted.ran
+    statement = next((node for node in spot.whole if isinstance(node, ast.stmt)), None)
+    if statement is None or spot.file.at(statement) not in noted.done or not fails_there(finding):
+        return False
+    # A part of the line may not have been evaluated, such as what is after an `or`.
+    return all(is_always_reached(ast.Module([statement], []), node) for node in spot.nodes)
 
 
 def _compared(source: PythonSource) -> Iterator[tuple[int, str]]:

@@ -155,4 +155,7 @@ def _finding(source: PythonSource, given: _Given, passed: int) -> Finding:
     clause, written = as_function(given.function, call, ["value", "other", "third"][:passed])
     cause = f"`{text}` is called right here, {clause}, but {outer}() needs a function to call later."
     fix = f"write `{f'{given.name}=' if given.name else ''}{written}`"
-    return Finding("callback-called", cause, source.at(call), fix)
+    # Something else may await what a coroutine function returns.
+    is_async = isinstance(given.function, ast.AsyncFunctionDef) and given.function in source.nodes
+    never = (source.at(given.function),) if is_async else ()
+    return Finding("callback-called", cause, source.at(call), fix, never=never)
