@@ -279,6 +279,90 @@ def test_what_a_student_hands_in_does_not_say_whose_the_class_is(tmp_path: Path)
     }
 
 
+@pytest.mark.parametrize(
+    ("files", "keys"),
+    [
+        (("ann/a.py", "bob.zip", "submitted/ann/week2/a.py"), ["ann", "bob", "submitted"]),
+        (("ann/a.py", "submitted/robot_project_ws/src/a.py"), ["ann", "submitted"]),
+        (("ann/a.py", "submitted/.git/HEAD", "submitted/src/a.py", "submitted/docs/a.md"), ["ann", "submitted"]),
+        ((f"{ANNA}/ws.zip", "Ben_2_assignsubmission_file_/a.zip", "submitted/ann/week2/a.py"), ["1001", "2", "submitted"]),
+        (("a_1_9_ws.zip", "b_2_9_ws.zip", "submitted/ann/week2/a.py"), ["1", "2", "submitted"]),
+        (("ann/a.py", "bob/a.py", "submission_metadata.yml"), ["ann", "bob", "submission_metadata.yml"]),
+        (("ann/a.py", "bob/a.py", "submitted.zip"), ["ann", "bob", "submitted"]),
+        (("submitted/ann/week2/a.py", "source/week2/a.py", "gradebook.db", "notes.md"), ["ann"]),
+        (("submitted/ann/week2/a.py", "submitted/bob.zip"), ["ann", "bob"]),
+    ],
+)  # fmt: skip
+def test_no_hand_in_says_how_the_others_are_read(
+    files: tuple[str, ...], keys: list[str], tmp_path: Path
+) -> None:
+    assert sorted(found(made(tmp_path / "class", *files), tmp_path)) == keys
+
+
+def test_where_two_forms_are_possible_the_instructor_is_asked(tmp_path: Path) -> None:
+    folder = made(tmp_path / "class", "ann/a.py", "nbgrader_config.py", "submitted/bob/week2/a.py")
+    said = "nbgrader_config.py, as a course of nbgrader does, and also ann; say --from nbgrader if it is one"
+    with pytest.raises(ClassError, match=said):
+        found(folder, tmp_path)
+    assert set(found(folder, tmp_path, "nbgrader")) == {"bob"}
+    assert set(found(folder, tmp_path, "folder")) == {"ann", "nbgrader_config.py", "submitted"}
+
+
+def test_a_folder_called_as_that_of_nbgrader_is_graded_with_a_note(tmp_path: Path) -> None:
+    rows = found(made(tmp_path / "class", "ann/a.py", "submitted/bob/week2/a.py"), tmp_path)
+    assert ["--from nbgrader" in " ".join(row.notes) for row in rows.values()] == [False, True]
+    (tmp_path / "all").mkdir()
+    (tmp_path / "all/submitted").symlink_to(tmp_path / "class")
+    assert found(tmp_path / "all", tmp_path)["submitted"].reason
+
+
+def test_what_is_taken_for_no_hand_in_is_named(tmp_path: Path) -> None:
+    folder = made(tmp_path / "all", "ann/a.py", ".bob/a.py", "__MACOSX/a", ".DS_Store")
+    course = made(
+        tmp_path / "course",
+        "source/a",
+        "gradebook.db",
+        "submitted/ann/week2/a.py",
+        "submitted/ann/b.txt",
+        "submitted/.bob/a",
+    )
+    for place, names_ in (
+        (folder, [".DS_Store", ".bob", "__MACOSX"]),
+        (course, [".bob", "gradebook.db", "source"]),
+    ):
+        told = list[str]()
+        (row,) = discovery.find(place, tmp_path, "", told.extend)
+        assert (row.key, told) == ("ann", names_)
+    assert "b.txt" in row.notes[0]
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        ":created_at: 2026-13-45 10:00:00",
+        f":count: {'9' * 5000}",
+        ":ratio: !!float x",
+        ":at: !ruby/object:Time 1",
+        "x: 0x",
+    ],
+)
+def test_an_impossible_value_in_the_metadata_of_gradescope_ends_nothing(said: str, tmp_path: Path) -> None:
+    folder = made(tmp_path / "export", "submission_5/a.py")
+    (folder / "submission_metadata.yml").write_text(
+        f"submission_5:\n  {said}\n  :submitters:\n  - :name: 12:30:45\n    :sid: 0x65\n    :email: null\n"
+    )
+    (row,) = found(folder, tmp_path).values()
+    assert (row.name, row.student_id, row.email) == ("12:30:45", "0x65", "")
+
+
+@pytest.mark.parametrize("text", ["[" * 20000, "\udcff", "a: [", "\x00"])
+def test_metadata_that_are_no_yaml_are_refused_in_a_sentence(text: str, tmp_path: Path) -> None:
+    folder = made(tmp_path / "export", "submission_5/a.py")
+    (folder / "submission_metadata.yml").write_bytes(text.encode(errors="surrogateescape"))
+    with pytest.raises(ClassError, match="cannot be read"):
+        found(folder, tmp_path)
+
+
 def test_a_tree_of_nbgrader_is_understood_and_several_assignments_are_refused(tmp_path: Path) -> None:
     course = made(tmp_path / "course", "submitted/ann/week2/a.py", "submitted/bob/week2/a.py")
     (course / "submitted/cy").mkdir()

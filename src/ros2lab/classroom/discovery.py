@@ -7,7 +7,6 @@ import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import yaml
 
@@ -17,22 +16,28 @@ from ros2lab.classroom.handed_in import ClassError, HandedIn, is_archive, latest
 
 METADATA = "submission_metadata.yml"
 SUBMITTED = "submitted"
-TIMESTAMP = "timestamp.txt"
+# What nbgrader has beside that; what else lies there may be a hand-in, if it is a folder or an archive.
+_OF_NBGRADER = ("source", "release", "autograded", "feedback", "gradebook.db", "nbgrader_config.py")
 _OF_A_SYSTEM = ("__MACOSX", "Thumbs.db", "desktop.ini")
 
 Read = Callable[[Path], "list[HandedIn] | None"]
 
 
-def find(path: Path, received: Path, form: str = "") -> list[HandedIn]:
+def find(
+    path: Path, received: Path, form: str = "", pass_over: Callable[[list[str]], None] = lambda _: None
+) -> list[HandedIn]:
     """Return one row for each student, what counts of all that came from them; nothing of it is opened.
+
+    No hand-in decides how the others are read, whatever it is called or holds.
 
     Args:
         path: a folder, a zip of a platform, or a CSV.
         received: a folder of ours, for what is unpacked or cloned.
         form: one of `FORMS`; empty finds it out.
+        pass_over: is given the names of what lies in a folder and is taken for no hand-in.
 
     Raises:
-        ClassError: if nothing can be found there.
+        ClassError: if nothing can be found there, or it cannot be told what is a hand-in.
     """
     if path.suffix.lower() == ".csv":
         return latest(roster.read(path, received))
@@ -40,11 +45,13 @@ def find(path: Path, received: Path, form: str = "") -> list[HandedIn]:
         path = _unpacked(path, received / path.stem)
     if not path.is_dir():
         raise ClassError(f"{path} is no folder, zip or CSV of submissions; give one of them.")
-    readers = [FORMS[form]] if form else [*FORMS.values()]
-    for read in readers:
-        found = read(path)
+    for name in [form] if form else FORMS:
+        if not form and name == "nbgrader" and not _may_be_a_course(path):
+            continue
+        found = FORMS[name](path)
         if found:
-            return latest(found, is_one_each=read is _canvas)
+            pass_over(_passed_over(path, name))
+            return latest(found, is_one_each=name == "canvas")
     raise ClassError(
         f"There are no submissions in {path}{f' as {form} has them' if form else ''}; give a folder with one "
         "folder or archive for each student."
@@ -55,6 +62,31 @@ def _entries(folder: Path) -> list[Path]:
     return sorted(
         path for path in folder.iterdir() if not path.name.startswith(".") and path.name not in _OF_A_SYSTEM
     )
+
+
+def _passed_over(folder: Path, form: str) -> list[str]:
+    tree = folder / SUBMITTED if form == "nbgrader" and (folder / SUBMITTED).is_dir() else folder
+    beside = {path for path in folder.iterdir() if tree not in (folder, path)}
+    return sorted(path.name for path in beside | ({*tree.iterdir()} - {*_entries(tree)}))
+
+
+def _may_be_a_course(folder: Path) -> bool:
+    """Return whether what is called `submitted` may be nbgrader's: a hand-in may be called so, too.
+
+    Raises:
+        ClassError: if it lies both beside what is nbgrader's and beside what may be hand-ins.
+    """
+    if not (folder / SUBMITTED).is_dir() or (folder / SUBMITTED).is_symlink():
+        return folder.name == SUBMITTED
+    beside = [path for path in _entries(folder) if path.name != SUBMITTED]
+    own = [path.name for path in beside if path.name in _OF_NBGRADER]
+    others = [path.name for path in beside if path.name not in own and (path.is_dir() or is_archive(path))]
+    if own and others:
+        raise ClassError(
+            f"{folder} holds {SUBMITTED} and {own[0]}, as a course of nbgrader does, and also {', '.join(others[:5])}; "
+            "say --from nbgrader if it is one, or --from folder if each of them was handed in."
+        )
+    return not others
 
 
 def _not_followed(row: HandedIn, *places: Path) -> HandedIn:
@@ -89,25 +121,26 @@ def _moodle(folder: Path) -> list[HandedIn] | None:
 
 
 def _gradescope(folder: Path) -> list[HandedIn] | None:
-    described: Mapping[str, Any] = {}
     # What lies beside others is what a student has handed in, and may be called as anything.
     entries = _entries(folder)
     if len(entries) == 1 and (entries[0] / METADATA).is_file():
         folder = entries[0]
-    if not (folder / METADATA).is_file():
+    entries = [path for path in _entries(folder) if path.name != METADATA]
+    own = [path for path in entries if names.gradescope(path, {})]
+    if not (folder / METADATA).is_file() or len(own) * 2 <= len(entries):
         return None
     try:
-        described = yaml.safe_load((folder / METADATA).read_text(encoding="utf-8")) or {}
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        # All in it is text: a name may look like a number, and a date be impossible.
+        described = yaml.load((folder / METADATA).read_text(encoding="utf-8"), yaml.BaseLoader)  # noqa: S506
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
         raise ClassError(
             f"{folder / METADATA} cannot be read ({error}); export the submissions again."
         ) from None
     rows: list[HandedIn] = []
-    for path in _entries(folder):
+    for path in entries:
         about = described.get(path.name) if isinstance(described, Mapping) else None
         found = names.gradescope(path, about if isinstance(about, Mapping) else {})
-        if path.name != METADATA:
-            rows += [_not_followed(row, path) for row in found or [_plain(path)]]
+        rows += [_not_followed(row, path) for row in found or [_plain(path)]]
     return rows
 
 
@@ -115,25 +148,25 @@ def _nbgrader(folder: Path) -> list[HandedIn] | None:
     tree = folder / SUBMITTED if (folder / SUBMITTED).is_dir() else folder
     if tree.name != SUBMITTED:
         return None
-    students = [path for path in _entries(tree) if path.is_dir() or path.is_symlink()]
-    own = [student for student in students if not student.is_symlink()]
+    students = _entries(tree)
+    own = [student for student in students if student.is_dir() and not student.is_symlink()]
     assignments = {path.name for student in own for path in _entries(student) if path.is_dir()}
     if len(assignments) > 1:
         raise ClassError(
-            f"{tree} holds several assignments ({', '.join(sorted(assignments))}); give a folder in which "
-            f"{SUBMITTED} has only the one that is to be graded."
+            f"{tree} holds several assignments ({', '.join(sorted(assignments))}); give a folder in which {SUBMITTED} "
+            "has only the one that is to be graded, or say --from folder if each folder in it was handed in."
         )
-    return [row for student in students for row in _handed_to_nbgrader(student)]
+    return [row for student in students for row in _handed_to_nbgrader(student)] if own else None
 
 
 def _handed_to_nbgrader(student: Path) -> Iterator[HandedIn]:
-    row = HandedIn(student.name, student.name, student.name, label=student.name)
-    if student.is_symlink():
-        yield _not_followed(row, student)
+    if student.is_symlink() or not student.is_dir():
+        yield _plain(student)
         return
-    paths = [path for path in _entries(student) if path.is_dir() or path.is_symlink()]
+    row = HandedIn(student.name, student.name, student.name, label=student.name)
+    paths = _entries(student)
     for path in paths:
-        yield _not_followed(replace(row, paths=(project_in(path),)), path)
+        yield _not_followed(replace(row, paths=(project_in(path),), upload=path.is_dir()), path)
     if not paths:
         yield replace(row, reason="Nothing was handed in.")
 
@@ -162,15 +195,17 @@ def _plain(path: Path) -> HandedIn:
         name = Path(name).stem
         if not is_archive(Path(name)):
             break
-    return _not_followed(HandedIn(name, name, paths=(path,), label=name), path)
+    notes = (f"If {name} is that of nbgrader, with all that was handed in, say --from nbgrader.",)
+    row = HandedIn(name, name, paths=(path,), label=name, notes=notes if path.name == SUBMITTED else ())
+    return _not_followed(row, path)
 
 
 # By what a folder holds; the first that fits is taken.
 FORMS: Mapping[str, Read] = {
-    "nbgrader": _nbgrader,
     "gradescope": _gradescope,
     "moodle": _moodle,
     "canvas": _canvas,
+    "nbgrader": _nbgrader,
     "folder": _plainly,
 }
 

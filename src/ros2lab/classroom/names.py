@@ -86,7 +86,10 @@ def _submitters(path: Path, number: str, described: Mapping[str, Any]) -> Iterat
     given = _field(described, "submitters")
     people = [person for person in given if isinstance(person, Mapping)] if isinstance(given, list) else []
     for person in people or [{}]:
-        name, student_id, email = (str(_field(person, key) or "") for key in ("name", "sid", "email"))
+        given = [_field(person, key) for key in ("name", "sid", "email")]
+        name, student_id, email = (
+            text if isinstance(text, str) and text not in ("~", "null") else "" for text in given
+        )
         key = student_id or email or (f"{number} {name}" if name else number)
         yield HandedIn(
             key, name or path.name, student_id, email, (path,), upload=int(number), label=path.name

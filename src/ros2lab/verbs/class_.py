@@ -137,7 +137,9 @@ def grade(
         ):
             received = folder / "received"
             received.mkdir(exist_ok=True)
-            found = discovery.find(submissions, received, "" if form is Form.auto else form.value)
+            found = discovery.find(
+                submissions, received, "" if form is Form.auto else form.value, _tell_what_is_no_hand_in
+            )
             wanted = discovery.chosen(found, only) if only else found
             rows_found = [*grading.identified(wanted)]
             if since:
@@ -300,6 +302,12 @@ def export(
                 target.value, book, out or grades / exports.DEFAULT_NAMES[target.value], columns, column
             )
     print(f"{path} is written: {said}.")
+
+
+def _tell_what_is_no_hand_in(names: list[str]) -> None:
+    more = f" and {len(names) - 20} more" if len(names) > 20 else ""
+    if names:
+        print(f"Not taken for hand-ins: {_shown(', '.join(names[:20]))}{more}.", file=sys.stderr)
 
 
 def _show_plan(todo: Plan, rows: list[Row]) -> None:
