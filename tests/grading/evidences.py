@@ -149,6 +149,8 @@ def merged(runs: list[Run], program: str, setting: str = "alone") -> Run:
     def joined(name: str) -> dict[str, Any]:
         return {key: value for run in runs for key, value in getattr(run, name).items()}
 
+    by_time = {topic: heard for topic, heard in joined("quiet").items() if heard.type_name == STRING}
+    commands = [replace(one, topics=by_time | one.topics) for one in commands]  # it goes on
     return Run(
         [program], setting, "stepped", [node for run in runs for node in run.nodes], joined("publishes"),
         joined("subscribes"), {}, joined("parameters"), joined("quiet"), commands, {}, {program: {"last": {}}}, [],
@@ -168,7 +170,7 @@ def moving(
     for one in run.commands:
         now = speed.get(one.text, now)
         topics = {topic: heard(TWIST, node, [twist(now)] * count, 0.1)} if count else {}
-        commands.append(replace(one, topics=topics))
+        commands.append(replace(one, topics=one.topics | topics))
     return replace(run, commands=commands, publishes={**run.publishes, topic: {node: [TWIST]}})
 
 

@@ -356,11 +356,18 @@ def _is_heeded(part: Part, run: Run, command: CommandSeen) -> bool:
 
 
 def _last_answered(part: Part, run: Run) -> str:
-    """Name what a deaf node answered last: the flood, or the word before a command that it did not answer."""
+    """Name what came between the last answer of a deaf node and the command that it did not answer."""
     said = [*itertools.takewhile(lambda command: FLOOD not in command.text, run.commands)]
     last = max((number for number, command in enumerate(said) if _is_heeded(part, run, command)), default=0)
-    is_known = any(command.text in part.commands for command in said[last + 1 :])
-    return _named(said[last].text) if is_known else VERY_MANY
+    later = [command.text for command in said[last + 1 :]]
+    between = [*itertools.takewhile(lambda text: text not in part.commands, later)]
+    if len(between) == len(later):
+        return VERY_MANY
+    return (
+        f"the words {', '.join(map(repr, between))}"
+        if between[1:]
+        else _named((between or [said[last].text])[0])
+    )
 
 
 def _named(text: str, noun: str = "command") -> str:

@@ -6,10 +6,10 @@ import itertools
 from collections.abc import Iterator
 
 from ros2lab.assignments import Part
-from ros2lab.grading.evidence import GIVEN
+from ros2lab.grading.evidence import GIVEN, CommandSeen
 from ros2lab.grading.judging.by_type import owners_of
 from ros2lab.grading.judging.excuses import unused
-from ros2lab.grading.judging.player import STAND_IN, Player, is_for_want, of_one_node, stamped
+from ros2lab.grading.judging.player import PLAIN_SETTINGS, STAND_IN, Player, is_for_want, of_one_node, stamped
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown
 from ros2lab.grading.sandbox.keeper import is_limit
@@ -66,6 +66,7 @@ CODES = frozenset(
 )
 TOPIC_CODES = frozenset(("topic-near-miss",))
 TYPE_CODES = frozenset(("topic-type", "type-not-a-message"))
+LEAST_SILENT = 3  # words, after each of which twice the longest period passes
 OF_TYPE = frozenset(("right", "stamped", "alike"))  # what tells a part's node if no other part has its type
 
 
@@ -133,32 +134,69 @@ def _written_type(case: Case, player: Player, seen: str) -> str:
 
 
 @question(
-    "lives dies ends cut stops silent missing", "program last end topic", CODES, mute="dies ends stops silent"
+    "lives dies ends cut stops silent missing",
+    "program last end topic after",
+    CODES,
+    mute="dies ends stops silent",
 )
 def goes_on(case: Case, part: Part) -> Answer:
-    """Whether a node that publishes lives and goes on.
+    """Whether a node that publishes lives and goes on, whatever is said.
 
-    An end by a command counts at the node that takes the commands, if that is in the same program; an end by
+    An end by a command counts at the node whose commands are judged, if that is in the same program; an end by
     a request counts at the service.
     """
     player = case.whole(part)
+    seen = {"program": "", "last": "", "end": "", "topic": "", "after": "a few messages"}
     if player is None:
-        return Answer("missing", {"program": "", "last": "", "end": "", "topic": ""}, ("runs",))
-    seen = {"program": shown(player.program or player.node), "topic": shown(player.topic)}
-    seen |= {"last": "", "end": ""}
+        return Answer("missing", seen, ("runs",))
+    seen |= {"program": shown(player.program or player.node), "topic": shown(player.topic)}
     key = (f"runs[{player.number}].ended",)
-    is_own_end = player.end is not None and player.run.setting != GIVEN
-    if player.end is not None and is_own_end and not _dies_of_command(case, player):
-        seen |= {"last": last_word(player.end), "end": ended(player.end)}
-        is_error = "Error" in player.end or "Exception" in player.end
-        level = "cut" if is_limit(player.end) else "dies" if is_error else "ends"
-        return Answer(level, seen, key, raised_at(player.end, player.program))
     its_own = of_one_node(case.players[part.name], player)
     alike = [candidate for candidate in its_own if candidate.match == player.match]
+    for one in (player, *(one for one in alike if one.program == player.program and one.is_ended_by_command)):
+        if one.end is not None and one.run.setting != GIVEN and not _dies_of_command(case, one):
+            word = f"after {_said(one.last_command)}," if one.last_command else "by itself"
+            seen |= {"last": last_word(one.end), "end": ended(one.end, f"{word} with")}
+            is_error = "Error" in one.end or "Exception" in one.end
+            level = "cut" if is_limit(one.end) else "dies" if is_error else "ends"
+            return Answer(level, seen, (f"runs[{one.number}].ended",), raised_at(one.end, one.program))
     if any(candidate.topic in candidate.run.stalled for candidate in alike):
         return Answer("stops", seen, (f"runs[{player.number}].stalled",), shown(player.node))
+    for one in alike:
+        if (number := _silenced_at(one, case.assignment.commanded)) is not None:
+            seen["after"] = _said(one.run.commands[number])
+            return Answer("stops", seen, (f"runs[{one.number}].commands[{number}]",), shown(one.node))
     is_silent = not any(candidate.is_heard for candidate in its_own)
     return Answer("silent" if is_silent else "lives", seen, key, shown(player.node))
+
+
+def _said(command: CommandSeen) -> str:
+    return f"{shown(command.text)!r} was said" if command.text else "an empty command"
+
+
+def _silenced_at(player: Player, commanded: Part | None) -> int | None:
+    """Return the number of the command from which on nothing came any more of what came again and again before.
+
+    What is asked for by time goes on whatever is said. What is not may stop at a command, and if it has stopped at
+    another word, any command may begin it again. What a word of the node's own does is its own. On the real clock,
+    commands may follow each other more quickly than messages.
+    """
+    run = player.run
+    heard = [topics[player.topic].count if player.topic in topics else 0 for topics in run.stretches]
+    number = max((number for number, count in enumerate(heard) if count), default=0) - len(run.calls)
+    is_told = commanded is not None and run.commanded == commanded.topic and run.clock == "stepped"
+    is_whole = run.setting in PLAIN_SETTINGS and not run.given and not run.unfinished and not run.ended
+    if not is_told or not is_whole or number < 0 or max(heard) < 2 or player.topic in run.torn:
+        return None
+    assert commanded is not None
+    texts = [command.text for command in run.commands[number:]]
+    tried = {*commanded.commands, *commanded.unknown, *(word.upper() for word in commanded.commands)}
+    if not texts or (texts[0] not in tried and ", " not in texts[0]):
+        return None
+    if player.part.period:
+        return number if len(texts) >= LEAST_SILENT else None
+    is_for_good = texts[0] not in commanded.commands and {*commanded.commands} <= {*texts[1:]}
+    return number if is_for_good else None
 
 
 def missing(case: Case, part: Part) -> Answer:
@@ -241,7 +279,9 @@ def _dies_of_command(case: Case, player: Player) -> bool:
         return False
     if player.run.commanded != commanded.topic:
         return True  # the topic was only our guess for the one with the commands
+    judged = case.whole(commanded)
     return any(
         taker.program == player.program and taker.number == player.number
         for taker in case.players[commanded.name]
+        if judged and (taker.program == judged.program or player.run.setting == "launched")
     )
