@@ -175,6 +175,7 @@ ALL_FACTS = {
     | {"description_is_written", "license_is_written", "maintainer_is_written"},
     "setup": {"is_there", *package_facts.SETUP_FINDINGS}
     | {
+        "has_code",
         "name_agrees",
         "marker_exists",
         "manifest_is_installed",
@@ -358,6 +359,7 @@ def test_what_ros2_pkg_create_makes_lacks_what_is_to_be_written(
     found = look(folder)
     assert false_facts(found) == {
         "setup.installs_modules",
+        "setup.has_code",
         *(f"manifest.declares_{name}" for name in assignments.load().dependencies),
         *(f"manifest.{name}_is_written" for name in ("description", "license", "maintainer")),
         "setup.has_entry_points",
@@ -1578,7 +1580,8 @@ def test_modules_in_a_folder_that_is_not_installed(
     [
         # A folder of the package's name without modules, and entry points of another package.
         ({"status.py": STATUS}, {"setup.entry_points_are_own"}),
-        ({}, {"setup.installs_modules", "setup.entry_points_are_own"}),
+        ({}, {"setup.installs_modules", "setup.has_code", "setup.entry_points_are_own"}),
+        ({"../status.py": STATUS}, {"setup.installs_modules", "setup.entry_points_are_own"}),
     ],
 )
 def test_what_is_not_there_is_not_installed(
@@ -1588,7 +1591,8 @@ def test_what_is_not_there_is_not_installed(
     texts["robot_controller/__init__.py"] = ""
     texts |= {f"robot_controller/{name}": text for name, text in changes.items()}
     texts["setup.py"] = texts["setup.py"].replace("= robot_controller.", "= homework.")
-    assert {"setup.installs_modules", "setup.entry_points_are_own"} & false_facts(look(texts)) == false
+    asked = {"setup.installs_modules", "setup.has_code", "setup.entry_points_are_own"}
+    assert asked & false_facts(look(texts)) == false
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, replace
+from typing import Any
 
 import evidences
 import pytest
@@ -321,6 +322,58 @@ def test_hostile_text_is_tamed(rubric: Rubric) -> None:
         assert all(len(one.reason) < 400 for one in verdict(change(right()), rubric).criteria)
 
 
+def _told(run: Run, until: int, texts: Sequence[str] = evidences.SCRIPT.all, **more: Any) -> Run:
+    """Return a run of a publisher that takes the commands, too; what it publishes comes after so many of them."""
+    taken = evidences.command_run(run.nodes[0], run.programs[0], texts=(*texts,), log=lambda _: [])
+    commands = [
+        replace(one, topics=run.quiet if number < until else {}) for number, one in enumerate(taken.commands)
+    ]
+    return replace(run, subscribes=taken.subscribes, commands=commands, commanded=taken.commanded, **more)
+
+
+AGAIN = ("reop, etsr, ptast", *evidences.SCRIPT.few)
+SILENT = "lives on, but nothing comes on"
+
+
+@pytest.mark.parametrize(
+    ("run", "life"),
+    [
+        (_told(evidences.status_run(), 0), f"{SILENT} /robot/status any more after 'start' was said."),
+        (_told(evidences.status_run(), 4), f"{SILENT} /robot/status any more after 'dance' was said."),
+        (_told(evidences.status_run(), 1, AGAIN), f"{SILENT} /robot/status any more after 'start' was said."),
+        (_told(evidences.status_run(), 99), ""),
+        (_told(evidences.status_run(), len(evidences.SCRIPT.all) - 2), ""),  # two words are soon said
+        (_told(evidences.status_run(), 4, ("start", "stop", "reset", "START", "hush", "start", "start")), ""),
+        (_told(evidences.status_run(), 0, clock="real"), ""),
+        (_told(evidences.status_run(), 0, unfinished="the time ran out"), ""),
+        (_told(evidences.velocity_run(), 0, AGAIN), f"{SILENT} /cmd_vel any more after 'reop, etsr, ptast' was said."),
+        (_told(evidences.velocity_run(), 1, ("start", "dance", "stop", "reset", "start")), f"{SILENT} /cmd_vel any more after 'dance' was said."),
+        (_told(evidences.velocity_run(), 1), ""),  # it stops when it is told to
+        (_told(evidences.velocity_run(), 3), ""),  # it may wait for a reset
+        (_told(evidences.velocity_run(), 99), ""),
+        (_told(evidences.velocity_run(values=[evidences.twist(0.1)]), 0, AGAIN), ""),  # it came once
+    ],
+)  # fmt: skip
+def test_a_word_silences_no_publisher_for_good(rubric: Rubric, run: Run, life: str) -> None:
+    (program,) = run.programs
+    criterion = judged(evidences.runs(run)(right()), rubric, f"{program}.life")
+    assert criterion.reason == (f"{program} {life}" if life else f"{program} goes on until it is stopped.")
+    assert criterion.points == (criterion.max / 4 if life else criterion.max)
+
+
+@pytest.mark.parametrize("setting", ["alone", "together"])
+def test_a_word_that_ends_a_publisher_ends_its_life(rubric: Rubric, setting: str) -> None:
+    """Whether it is a program of its own that takes the commands, too, or is seen to only beside the others."""
+    run = _told(evidences.velocity_run(), 99, evidences.SCRIPT.all[:4], setting=setting)
+    commands = [replace(one, is_alive=one is not run.commands[-1]) for one in run.commands]
+    dead = replace(run, commands=commands, ended={evidences.VELOCITY: "KeyError: 'START'"}, stopped={})
+    given = [evidences.status_run(), evidences.command_run(), evidences.velocity_run(), dead]
+    grade = verdict(evidences.right(given if setting == "together" else [*given[:2], dead]), rubric)
+    assert {one.id: one.points for one in grade.criteria if one.points < one.max and "life" in one.id} == {
+        "velocity_publisher.life": 1
+    }
+
+
 def test_all_in_one_process_that_dies_of_a_command_is_charged_once(rubric: Rubric) -> None:
     e = evidences.one_process()
     (run, *others) = e.runs
@@ -468,7 +521,8 @@ def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
     [
         (9, "very many commands"),
         (7, "an empty command"),
-        (3, "the command 'reset'"),
+        (6, "an empty command"),
+        (3, "the words 'START', 'dance', 'twirl', ''"),
         (2, "the command 'stop'"),
         (1, "the command 'start'"),
     ],

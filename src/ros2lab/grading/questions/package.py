@@ -99,7 +99,7 @@ def _packages_seen(case: Case) -> list[str]:
 
 
 @question(
-    "right other_name no_modules no_files invalid fails no_word missing",
+    "right other_name no_modules no_code no_files invalid fails no_word missing",
     "error fault but",
     _codes(_SETUP, "is_valid", "installs_modules", "data_files_exist") | {"setup-value"},
 )
@@ -113,6 +113,8 @@ def setup_installs_the_package(case: Case) -> Answer:
         "data_files_exist": "no_files",
         "name_agrees": "other_name",
     }
+    if not facts.get("has_code", True):
+        levels["installs_modules"] = "no_code"
     wrong = [level for fact, level in levels.items() if not facts.get(fact)]
     is_read = facts.get("is_there") and facts.get("is_valid")
     if is_read and build and not build.is_built and not _is_explained(case) and not wanting(case):

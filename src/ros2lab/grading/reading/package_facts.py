@@ -168,6 +168,9 @@ def _packaging_facts(package: Package, setup: SetupScript) -> dict[str, bool]:
     if facts["is_valid"] and setup.entry_points == [] and not setup.keywords.get("scripts"):
         facts["has_entry_points"] = False
     facts["installs_modules"] &= _installs_code(package, setup)
+    facts["has_code"] = facts["installs_modules"] or any(
+        read_text(path).strip() for path in written_modules(package.folder)
+    )
     facts["entry_points_are_own"] = _are_own(package, setup)
     facts["marker_exists"] = package.has(f"resource/{package.name}")
     facts["manifest_is_installed"] = _installs_manifest(package, setup)
