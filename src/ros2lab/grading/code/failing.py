@@ -1,4 +1,4 @@
-"""Which statements fail whenever they are reached: no value that their names may hold lets them end.
+"""Which statements fail, or wait for ever, whenever they are reached: no value that their names may hold lets them end.
 
 Nothing that comes after such a statement is done, whatever it waits for.
 """
@@ -7,6 +7,11 @@ from __future__ import annotations
 
 import ast
 import builtins
+import importlib
+import itertools
+import math
+import operator
+import re
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cached_property
@@ -19,6 +24,7 @@ from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
     children,
+    given_to,
     is_generator,
     walk,
 )
@@ -34,7 +40,18 @@ _OPERATORS: Mapping[type[ast.AST], Callable[[Any, Any], Any]] = {
     **{kind: COMPARISONS[kind] for kind in _ORDERS},
 }
 _LARGEST = 10**15  # the largest number, and the longest text, to compute with
-_CONVERSIONS: Mapping[str, Callable[[Any], Any]] = {"int": int, "float": float}
+_MOST = 10_000  # the largest number that a function of Python's is given here, and how often one is asked
+# What of Python's only computes something from what it is given, whoever has chosen that.
+_COMPUTES = re.compile(
+    r"builtins\.(int|float)|datetime\.(date|time|datetime|timedelta)(\.[a-z]\w*)?|math\.\w+|struct\.(un)?pack"
+    r"|ipaddress\.ip_[a-z]+|uuid\.UUID|json\.loads|re\.compile|decimal\.Decimal"
+)
+# What is made empty, by the method that waits for what others put into it.
+_WAITS = {
+    "get": re.compile(r"queue\.\w*Queue|multiprocessing\.Queue"),
+    "wait": re.compile(r"(threading|multiprocessing)\.Event"),
+    "result": re.compile(r"concurrent\.futures\.Future"),
+}
 _LOOKS = frozenset(
     (
         "len",
@@ -185,20 +202,70 @@ class Failing:
         return example is not _UNKNOWN and not any(hasattr(kind, name) for kind in kinds)
 
     def _cannot_be_called(self, source: PythonSource, call: ast.Call) -> bool:
-        match call:
-            case ast.Call(func=ast.Name(id=name), args=[value], keywords=[]) if name in _CONVERSIONS:
-                held = self._possible.values(value)
-                is_known = bool(held) and not any(
-                    _example(found) is _UNKNOWN or isinstance(found, Given) for found in held
-                )
-                return is_known and all(
-                    _fails(lambda found=found: _CONVERSIONS[name](found)) for found in held
-                )
+        if self._waits_for_ever(source, call) or self._computes_nothing(source, call):
+            return True
         function = self._called(source, call)
         if function is not None:
             return is_refused(function, call) or self._always_fails(source, function)
         is_named = isinstance(call.func, (ast.Name, ast.Attribute)) and call.func in self._possible.scopes
         return is_named and self._are(call.func, (int, float, bool, str, tuple, type(None)))
+
+    def _computes_nothing(self, source: PythonSource, call: ast.Call) -> bool:
+        """Return whether a function of Python's fails for all that it may be given, and nothing of that is unknown."""
+        name = self._sources.resolve(source, call.func) or ""
+        name = f"builtins.{name}" if hasattr(builtins, name) else name
+        words = [key.arg for key in call.keywords if key.arg]
+        if not _COMPUTES.fullmatch(name) or len(words) < len(call.keywords):
+            return False
+        given = [self._possible.values(value) for value in given_to(call)]
+        if not given or not all(values and all(map(_is_plain, values)) for values in given):
+            return False
+        if math.prod(map(len, given)) > _MOST:
+            return False
+        module, _, rest = name.partition(".")
+        try:
+            compute = operator.attrgetter(rest)(importlib.import_module(module))
+        except AttributeError:  # of another Python
+            return False
+        count = len(call.args)
+        return all(
+            _fails(lambda *one: compute(*one[:count], **dict(zip(words, one[count:], strict=True))), *one)
+            for one in itertools.product(*given)
+        )
+
+    def _waits_for_ever(self, source: PythonSource, call: ast.Call) -> bool:
+        """Return whether a call waits for what nobody brings: all that is done with its object is to wait like this."""
+        match call:
+            case ast.Call(func=ast.Attribute(value=owner, attr=method), args=[], keywords=[]) if (
+                method in _WAITS
+                and isinstance(owner, (ast.Name, ast.Attribute))
+                and owner in self._possible.scopes
+            ):
+                home = self._possible.scopes[owner][1]
+                if home is not None and not self._sources.lineage(home)[2]:
+                    return False  # a class that is not known may bring it
+                stores = [store.value for store in self._possible.stores_of(owner)]
+                made = [
+                    self._sources.resolve(source, it.func) or "" for it in stores if isinstance(it, ast.Call)
+                ]
+                is_empty = len(made) == 1 and _WAITS[method].fullmatch(made[0])
+                return bool(is_empty) and not self._is_had_by_others(_last(owner), method)
+        return False
+
+    def _is_had_by_others(self, name: str, method: str) -> bool:
+        """Return whether anything else than calling a method is done with what has a name, or with what it belongs to."""
+        files = self._sources.sources.values()
+        uses = ((file.above(node), node) for file in files for node in file.nodes if _last(node) == name)
+        given = (argument for file in files for call in file.calls for argument in given_to(call))
+        return (
+            self._possible.is_open
+            or any(isinstance(argument, ast.Name) and argument.id == "self" for argument in given)
+            or any(
+                isinstance(node.ctx, ast.Load) and getattr(used, "attr", "") != method
+                for used, node in uses
+                if isinstance(node, (ast.Name, ast.Attribute))
+            )
+        )
 
     def _called(self, source: PythonSource, call: ast.Call) -> Function | None:
         """Return the function of the files that a call means, if there is only one of its name."""
@@ -274,6 +341,14 @@ def _evaluated(node: ast.AST) -> Iterator[ast.AST]:
             parts = [*children(node)]
     for part in parts:
         yield from _evaluated(part)
+
+
+def _is_plain(value: Any) -> bool:
+    """Return whether a value is known, and so small that whatever is computed from it takes no time."""
+    if isinstance(value, (str, bytes)):
+        numbers = re.findall(r"\d+", value if isinstance(value, str) else value.decode("latin-1"))
+        return len(value) <= _MOST // 50 and all(len(digits) < 6 for digits in numbers)
+    return value is None or (isinstance(value, (int, float)) and not abs(value) > _MOST)
 
 
 def _example(value: Any) -> Any:

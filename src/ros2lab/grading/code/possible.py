@@ -235,7 +235,7 @@ class Possible:
         key = ("argument", function, name)
         if key not in self._known:
             self._known[key] = ANY  # if it is handed on to itself
-            given = None if self._is_open else self._arguments.of(function, name)
+            given = None if self.is_open else self._arguments.of(function, name)
             found = ANY if given is None else frozenset[Any]().union(*map(self.values, given))
             self._known[key] = found if len(found) <= MOST_VALUES else ANY
         return self._known[key]
@@ -253,7 +253,7 @@ class Possible:
         """Return what an attribute of self may be: whatever code assigns to it, or to one of this name of any object."""
         chain, _, is_known = self._sources.lineage(owner)
         is_made = any(name in found.methods or found.definition.decorator_list for found in chain)
-        if not is_known or self._is_open or is_made:
+        if not is_known or self.is_open or is_made:
             return ANY
         stores = self._stores.get(name)
         others = {store for store in stores or () if self._is_of_another(store, chain)}
@@ -276,7 +276,7 @@ class Possible:
         owner = self._sources.classes.get(whole.rpartition(".")[0])
         if owner and any(base and base.startswith("enum.") for base in owner.bases):
             return frozenset((Member(whole),))
-        if owner and owner.attributes and not self._is_open:
+        if owner and owner.attributes and not self.is_open:
             return self._stored(leaf.attr)
         if self._as_declared and (name := parameter_in(leaf.value)):
             return self._of_declared(source, name)
@@ -435,7 +435,7 @@ class Possible:
         }
 
     @cached_property
-    def _is_open(self) -> bool:
+    def is_open(self) -> bool:
         """Whether code may set attributes by computed names, or hand a node on to other code."""
         return any(
             self._sources.hands_itself_on(source)
