@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from one_file import sources_of
 from right_workspace import right_workspace
 
 from ros2lab.diagnose import of_text, of_workspace
+from ros2lab.diagnose.nodes.qos_written import misplaced_policies
 
 IMPORTS = "from rclpy.duration import Duration\nfrom rclpy.qos import LivelinessPolicy, QoSProfile\n"
 NODE = """\
@@ -80,3 +82,49 @@ def test_the_profile_that_the_publisher_needs_is_written(
 def test_who_offers_enough_is_not_blamed(tmp_path: Path, asked: str, offered: str) -> None:
     found = of_workspace(written(tmp_path, asked, offered))
     assert not [finding for finding in found if finding.code == "qos-mismatch"]
+
+
+POLICIES = """\
+from enum import IntEnum
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPresetProfiles, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSReliabilityPolicy
+from std_msgs.msg import Bool
+
+BEST = ReliabilityPolicy.BEST_EFFORT
+
+
+class Depth(IntEnum):
+    SMALL = 2
+
+
+class Lamp(Node):
+    def __init__(self):
+        super().__init__('lamp')
+        self.pub = self.create_publisher(Bool, 'lamp', GIVEN)
+"""
+
+
+@pytest.mark.parametrize(
+    ("given", "fix"),
+    [
+        ("ReliabilityPolicy.BEST_EFFORT", "QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)"),
+        ("BEST", "QoSProfile(depth=10, reliability=BEST)"),
+        ("DurabilityPolicy.TRANSIENT_LOCAL", "durability=DurabilityPolicy.TRANSIENT_LOCAL"),
+        ("HistoryPolicy.KEEP_LAST", "history=HistoryPolicy.KEEP_LAST"),
+        ("QoSProfile(depth=ReliabilityPolicy.RELIABLE)", "depth=10, reliability=ReliabilityPolicy.RELIABLE"),
+        ("QoSProfile(depth=1, reliability=DurabilityPolicy.VOLATILE)", "write durability=DurabilityPolicy.V"),
+        (
+            "QoSProfile(depth=1, durability=BEST, reliability=BEST)",
+            "give durability a value of DurabilityPolicy",
+        ),
+        ("Depth.SMALL", ""),
+        ("QoSProfile(depth=Depth.SMALL, reliability=BEST)", ""),
+        ("QoSProfile(depth=1, reliability=QoSReliabilityPolicy.BEST_EFFORT)", ""),
+        ("QoSPresetProfiles.SENSOR_DATA.value", ""),
+    ],
+)
+def test_a_policy_is_no_depth_and_no_other_policy(tmp_path: Path, given: str, fix: str) -> None:
+    found = [*misplaced_policies(sources_of(POLICIES.replace("GIVEN", given), tmp_path))]
+    assert len(found) == bool(fix)
+    assert all(fix in finding.fix for finding in found)

@@ -54,6 +54,11 @@ POLICIES: Mapping[str, Policy] = {
     "liveliness_lease_duration": Policy(_ENDLESS, (), "Duration", "liveliness lease"),
 }
 _HISTORY = ("KEEP_LAST", "KEEP_ALL")
+# The parameter of a QoSProfile for each class of policies.
+PARAMETERS: Mapping[str, str] = {
+    **{policy.home: name for name, policy in POLICIES.items() if policy.values},
+    "HistoryPolicy": "history",
+}
 _DEFAULT = {**{name: policy.default for name, policy in POLICIES.items()}, "history": _HISTORY[0]}
 
 
@@ -79,6 +84,12 @@ def policies_of(sources: NodeSources, creation: Creation) -> Mapping[str, str]:
         given_here = {p: _value(sources, source, p, written[p]) for p in _DEFAULT if p in written}
         told = {**_DEFAULT, **given_here} if None not in written else {}
     return told
+
+
+def policy_of(source: PythonSource, node: ast.expr | None) -> str:
+    """Return the policy of which an expression is a value, as `ReliabilityPolicy.RELIABLE` is; empty if of none."""
+    module, _, home = (source.resolve(node) or "").rpartition(".")[0].rpartition(".")
+    return PARAMETERS.get(home.removeprefix("QoS"), "") if module == "rclpy.qos" else ""
 
 
 def _value(sources: NodeSources, source: PythonSource, policy: str, node: ast.expr) -> str:
