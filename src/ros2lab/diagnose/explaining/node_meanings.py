@@ -74,11 +74,16 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         "write super().__init__('node_name')",
     ),
     meaning(
-        r"has no attribute '_(?:default_callback_group|Node__\w+|logger|parameters|handle|context|clock|callback_groups)'"
-        r"|__init__ \w*(?:not|never) called",
+        r"has no attribute '_(?:default_callback_group|Node__\w+|logger|parameters|handle|context|clock|callback_groups)'",
         "super-missing super-late super-misspelt",
         "The node is used before super().__init__() is called, or it is never called.",
         "write super().__init__('node_name') as the first line of __init__",
+    ),
+    meaning(
+        r"__init__(?:\(\))? (?:of type \S+ was )?(?:not|never) called",
+        "super-missing super-misspelt",
+        "The constructor of a class from which this object's class inherits was never called.",
+        "call super().__init__() as the first line of its __init__; with several bases, call the __init__ of each by its name",
     ),
     meaning(
         r"property '(?P<name>\w+)' of '(?P<owner>\w+)' object has no setter|can't set attribute '?(?P<name2>\w*)",

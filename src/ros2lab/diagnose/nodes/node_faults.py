@@ -10,6 +10,8 @@ from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.code.called_back import CALLED_WITH, accepted, executed, named_in_body
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.argument_order import EXAMPLES, order_fault
+from ros2lab.diagnose.nodes.qos_written import misplaced_policies
+from ros2lab.diagnose.nodes.several_bases import constructor_left_out
 from ros2lab.diagnose.nodes.super_order import SuperOrder
 from ros2lab.diagnose.nodes.taken_names import hidden_method, hiding_methods, taken_attributes
 from ros2lab.diagnose.nodes.unset_attributes import no_such_member
@@ -64,6 +66,7 @@ def node_faults(sources: NodeSources) -> Iterator[Finding]:
         if creation.arguments is not None:
             yield from _creation_faults(sources, creation)
     yield from _action_faults(sources)
+    yield from misplaced_policies(sources)
 
 
 def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
@@ -90,6 +93,8 @@ def _constructor_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Find
         cause = f"The constructor of {owner.definition.name} never calls super().__init__(), so there is no node when it is used."
         fix = f"write {super_call(sources, owner)} as the first line of __init__"
         yield Finding("super-missing", cause, owner.source.at(constructor), fix)
+    elif fault := constructor_left_out(sources, owner):
+        yield fault
     elif early := order.first_early():
         use, fix = early
         cause = f"`{ast.unparse(use)}` is used before super().__init__() is called."
