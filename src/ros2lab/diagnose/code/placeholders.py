@@ -8,12 +8,16 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.code.bound_names import bound_in, global_names
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.node_source import is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, contains
+from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, contains, given_to
 from ros2lab.diagnose.sources.uses import is_log
 
 # Braces after `$`, `^` or a command of TeX belong to another language.
 _FIELD = re.compile(r"(?:[$^]|\\\w+)\{|\{([A-Za-z_][\w.]*(?:\(\))?)(?:[:!][^{}]*)?\}")
+# What ROS fills in itself, in a name without spaces.
+_BY_ROS = re.compile(r"[\w/~{}]*\{(?:node|ns|namespace)\}[\w/~{}]*")
+# The methods of a node that are given the name of something in ROS.
+_NAMING = frozenset((*CREATORS, "create_rate", "declare_parameter", "get_parameter"))
 _EMPTY = re.compile(r"\{(?:\d*|\d*:[^{}]*)\}|%[-+ 0]*\d*(?:\.\d+)?[dsif]\b")
 
 
@@ -31,12 +35,12 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
             fields = _meant(source, node, "".join(map(str, texts)))
             # A text with the value itself as well shows its name on purpose.
             for name in fields[:1] if given.isdisjoint(fields) else ():
-                cause = f"In an f-string, doubled braces mean literal braces, so {{{name}}} is shown as it is and no value is filled in."
+                cause = f"In an f-string, doubled braces mean literal braces, so {{{name}}} remains as it is and no value is filled in."
                 fix = f"write {{{name}}} instead of {{{{{name}}}}}"
                 yield Finding("text-not-filled", cause, source.at(node), fix)
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in filled:
             for name in _meant(source, node, node.value)[:1]:
-                cause = f"The f before the string is missing, so {{{name}}} is shown as it is and no value is filled in."
+                cause = f"The f before the string is missing, so {{{name}}} remains as it is and no value is filled in."
                 fix = f"write f before the quote: f{node.value[:40]!r}"
                 yield Finding("text-not-filled", cause, source.at(node), fix)
     for text in _shown(source.nodes):
@@ -48,7 +52,7 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
 
 def _meant(source: PythonSource, node: ast.expr, text: str) -> list[str]:
     """Return the names in braces in a string, if each is known where it stands; other braces mean themselves."""
-    fields = _FIELD.findall(text)
+    fields = [] if _BY_ROS.fullmatch(text) else _FIELD.findall(text)
     known = _names(source, node.lineno) if all(fields) else frozenset()
     are_known = all(known.intersection(_beginnings(name)) for name in fields)
     return fields if are_known and text.count("{") == len(fields) else []
@@ -71,15 +75,19 @@ def _names(source: PythonSource, line: int) -> frozenset[str]:
 
 
 def _read_by_people(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes of texts that are logged, raised, or kept under a name; others may be for a program."""
+    """Yield the nodes of texts that are logged, raised, kept under a name, or names in ROS; others may be for a program."""
     match node:
         case ast.Call() if is_log(node):
             yield from (inner for given in node.args for inner in ast.walk(given))
+        case ast.Call(func=ast.Attribute(attr=method)) if method in _NAMING:
+            yield from (inner for given in given_to(node) for inner in (given, *_joined(given)))
         case ast.Raise(exc=ast.Call() as made):
             yield from ast.walk(made)
-        case ast.Assign(value=value) | ast.keyword(arg="data", value=value) | ast.Return(value=value) if (
-            value
-        ):
+        case (
+            ast.Assign(value=value)
+            | ast.keyword(arg="data" | "frame_id" | "namespace", value=value)
+            | ast.Return(value=value)
+        ) if value:
             yield from (inner for inner in (value, *_joined(value)))
 
 
