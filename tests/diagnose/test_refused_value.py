@@ -81,7 +81,7 @@ BYTE = "The 'data' field must be an unsigned integer in [0, 255]"
             "self.count.publish(UInt8(data=self.number))",
             BYTE,
             "UInt8(data=self.number)",
-            "write UInt16 instead of UInt8 everywhere, including where it is received; or keep it in that range, for example with min(max(self.number, 0), 255)",
+            "write Int16 instead of UInt8 everywhere, including where it is received; or keep it in that range, for example with min(max(self.number, 0), 255)",
         ),
         (
             "self.count.publish(Int8(data=self.number))",
@@ -93,6 +93,23 @@ BYTE = "The 'data' field must be an unsigned integer in [0, 255]"
 )
 def test_the_value_in_the_line_is_named(tmp_path: Path, line: str, message: str, part: str, fix: str) -> None:
     assert first(line, message, tmp_path, part).fix == fix
+
+
+@pytest.mark.parametrize(
+    ("step", "kind", "says"),
+    [
+        ("self.number -= 1", "UInt8", "write Int16 instead of UInt8"),
+        ("self.number += 5", "UInt8", "write UInt16 instead of UInt8"),
+        ("self.number -= 1", "Int8", "write Int16 instead of Int8"),
+        ("self.number -= self.step", "UInt8", "min(max(self.number, 0), 255)"),
+        ("self.number += 1; self.number -= 2", "UInt8", "min(max(self.number, 0), 255)"),
+    ],
+)
+def test_the_side_on_which_a_value_leaves_its_range(tmp_path: Path, step: str, kind: str, says: str) -> None:
+    message = BYTE if kind == "UInt8" else "The 'data' field must be an integer in [-128, 127]"
+    found = first(f"self.count.publish({kind}(data=self.number)); {step}", message, tmp_path)
+    assert says in found.fix
+    assert ("line 23 counts it" in found.cause) is ("min(" not in found.fix)
 
 
 @pytest.mark.parametrize(

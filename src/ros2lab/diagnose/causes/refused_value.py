@@ -58,15 +58,32 @@ def _given(spot: Spot) -> Iterator[tuple[str, ast.expr]]:
 
 def _outside(source: PythonSource, value: ast.expr, field: str, said: re.Match[str]) -> Finding:
     least, most = int(said["least"]), int(said["most"])
-    cause = f"The field {field} holds whole numbers from {least} to {most}, but `{ast.unparse(value)}` is outside that range here."
+    text = ast.unparse(value)
+    side, by = _counted(source, text)
+    by_count = f": line {by} counts it {'up' if side == 'above' else 'down'}" if by else ""
+    cause = f"The field {field} holds whole numbers from {least} to {most}, but `{text}` is outside that range here{by_count}."
     made = (source.resolve(node.func) or "" for node in source.calls)
     sent = next((name for name in made if _range_of(name, field) == (least, most)), "")
-    larger = _larger(sent, field, least, most)
-    keep = f"keep it in that range, for example with min(max({ast.unparse(value)}, {least}), {most})"
+    larger = _larger(sent, field, least - (side != "above"), most + (side != "below"))
+    keep = f"keep it in that range, for example with min(max({text}, {least}), {most})"
     fix = keep
+    if by:
+        last = most if side == "above" else least
+        fix = keep = (
+            f"let line {by} run only while {text} is {'below' if side == 'above' else 'above'} {last}, or cancel the timer that counts"
+        )
     if larger:
         fix = f"write {larger} instead of {sent.rpartition('.')[2]} everywhere, including where it is received; or {keep}"
     return Finding("field-type", cause, source.at(value), fix)
+
+
+def _counted(source: PythonSource, text: str) -> tuple[str, int]:
+    """Return on which side a value leaves a range, and the line that counts it that way; 0 if it may be either."""
+    changes = [n for n in source.nodes if isinstance(n, ast.AugAssign) and ast.unparse(n.target) == text]
+    steps = {type(n.op) if ast.unparse(n.value).isdigit() else None for n in changes}
+    if len(steps) == 1 and (step := steps.pop()) in (ast.Add, ast.Sub):
+        return "above" if step is ast.Add else "below", changes[0].lineno
+    return "", 0
 
 
 def _range_of(name: str, field: str) -> tuple[int, int] | None:
@@ -80,12 +97,12 @@ def _range_of(name: str, field: str) -> tuple[int, int] | None:
 
 
 def _larger(name: str, field: str, least: int, most: int) -> str:
-    """Return the next larger message type with the same field; empty if there is none."""
+    """Return the smallest message type with the same field that holds a range; empty if there is none."""
     module, found = name.rpartition(".")[0], []
     for candidate in interfaces.names_in(module) or ():
         there = _range_of(f"{module}.{candidate}", field)
         is_alike = [*(interfaces.fields_of(f"{module}.{candidate}") or {})] == [field]
-        if is_alike and there and there[0] <= least and there[1] > most:
+        if is_alike and there and there[0] <= least and there[1] >= most:
             found.append(((there[0] < 0) != (least < 0), there[1], candidate))
     return min(found)[2] if found else ""
 
