@@ -12,7 +12,15 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.construction import is_node_class
 from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import own_function, what_a_call_makes
-from ros2lab.diagnose.sources.python_source import PAUSES, Function, PythonSource, is_generator, own_nodes
+from ros2lab.diagnose.sources.python_source import (
+    PAUSES,
+    Function,
+    PythonSource,
+    given_to,
+    is_generator,
+    last_name,
+    own_nodes,
+)
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.signatures import signature_of
 from ros2lab.diagnose.sources.syntax_parts import is_property, needed_by
@@ -48,7 +56,7 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
         case ast.Call(func=called) if own := own_function(source, called):
             if made := what_a_call_makes(own[1]):
                 cause = f"`{text}` only makes a {made}: nothing of {own[1].name}() runs."
-                yield Finding("no-effect", cause, source.at(value), _run(text, own[1]))
+                yield Finding("no-effect", cause, source.at(value), _run(source, value, own[1]))
         case ast.UnaryOp(
             op=ast.UAdd() | ast.USub() as sign, operand=ast.UnaryOp(op=same, operand=counted)
         ) if type(same) is type(sign) and isinstance(counted, (ast.Name, ast.Attribute, ast.Subscript)):
@@ -64,12 +72,18 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
                 yield Finding("no-effect", cause, source.at(value), fix)
 
 
-def _run(text: str, function: Function) -> str:
-    """Say how to run what a call only makes: a function without a pause need not be async."""
+def _run(source: PythonSource, call: ast.Call, function: Function) -> str:
+    """Say how to run what a call only makes: a function without a pause need not be async, and ROS awaits a callback."""
+    text, around = ast.unparse(call), source.function_at(call.lineno)
     if is_generator(function):
         return f"write `for _ in {text}: pass`, or {function.name} without yield"
     if not any(isinstance(node, PAUSES) for node in own_nodes(function)):
         return f"write def instead of async def for {function.name}"
+    if isinstance(around, ast.AsyncFunctionDef):
+        return f"write `await {text}`"
+    creators = [node for node in source.calls if getattr(node.func, "attr", "") in CREATORS]
+    if around and any(last_name(given) == around.name for node in creators for given in given_to(node)):
+        return f"write `await {text}`, and `async def {around.name}` on line {around.lineno}: ROS runs such a callback to its end"
     return f"write await in front of it in an async function that is awaited, or asyncio.run({text}) where no asyncio loop runs"
 
 

@@ -12,6 +12,7 @@ from ros2lab.diagnose.causes.answers import of_answer
 from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
 from ros2lab.diagnose.causes.later_calls import of_later_call
+from ros2lab.diagnose.causes.lone_arguments import of_lone_argument
 from ros2lab.diagnose.causes.lost_slashes import of_lost_slash
 from ros2lab.diagnose.causes.namesakes import of_namesake
 from ros2lab.diagnose.causes.parameters_given import of_parameters
@@ -33,7 +34,8 @@ from ros2lab.diagnose.explaining.in_words import said_of
 from ros2lab.diagnose.explaining.launched_commands import of_launched_command
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.meanings import MEANINGS
-from ros2lab.diagnose.explaining.needed import is_refuted, of_needed
+from ros2lab.diagnose.explaining.needed import is_refuted, of_needed, seen_there
+from ros2lab.diagnose.explaining.other_ends import of_other_end
 from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, without_own
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
 from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
@@ -168,15 +170,17 @@ def _of_what_was_said(
         found = [*typed_faults(error, look)] or found
     if error.decisive:
         found = _with_choice(error, look) or found or checked or _in_line(error, known)
-        found = found or _said_by_tools(error, look, is_frozen=bool(frozen))
+        found = found or _said_by_tools(error, known, look, is_frozen=bool(frozen))
     history = of_history(error.typed, error.text)
     return [*history, *own_shells(error.typed), *frozen, *of_processes(error.text, look), *found]
 
 
-def _said_by_tools(error: ErrorText, look: Look, *, is_frozen: bool) -> list[Finding]:
+def _said_by_tools(error: ErrorText, known: list[Finding], look: Look, *, is_frozen: bool) -> list[Finding]:
     """Return what a tool says itself; nothing where a program was only stopped, or logs what it is written to log."""
-    is_no_tools = not error.reports and (is_frozen or is_own_log(error.decisive, look))
-    return [] if is_no_tools else said_by_tools(error, look)
+    if not error.reports and (is_frozen or is_own_log(error.decisive, look)):
+        return []
+    said = said_by_tools(error, look)
+    return (seen_there(said[0], error, known, look) if said and look else []) or said
 
 
 def _with_choice(error: ErrorText, look: Look) -> list[Finding]:
@@ -192,6 +196,8 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         or of_test_without_init(error, look)
         or of_taken(error, look)
         or of_own_raise(error, look)
+        or of_lone_argument(error, look)
+        or of_other_end(error, look)
         or of_later_call(error, known, look)
         or of_init_order(error, look)
         or of_init_twice(error, look)

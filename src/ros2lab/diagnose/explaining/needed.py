@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.explaining.sections_read import sections_read
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
-from ros2lab.diagnose.printed.spots import place_of
+from ros2lab.diagnose.printed.spots import place_of, spot_at, statement_around
 from ros2lab.diagnose.sources.package import SourcePackage
 
+_NAME = re.compile(r"[A-Za-z_]\w{2,}")
 _BUILDS_ALL = re.compile(r"\bcolcon build\b(?!.*--packages-(?:select|up-to|start|end|ignore|skip))")
 
 
@@ -67,3 +69,15 @@ def is_refuted(finding: Finding, error: ErrorText, look: Look) -> bool:
     ):
         return False
     return finding.place == place_of(own_frames(report.frames), look)
+
+
+def seen_there(said: Finding, error: ErrorText, known: Sequence[Finding], look: Look) -> list[Finding]:
+    """Return what is known of the line or file of a message that is only passed on, if both name the same thing there."""
+    if said.code != SAID or not said.place:
+        return []
+    message = error.report.message if error.report else said.cause
+    names = {*_NAME.findall(message)} & {*_NAME.findall(spot_at(said.place, look).text)} - {*keyword.kwlist}
+    about = [finding for finding in known if names & {*_NAME.findall(finding.cause)}]
+    lines = statement_around(said.place, look)
+    seen = {(f.code, f.place.partition(":")[0]) for f in about if f.place in lines}
+    return [f for f in about if (f.code, f.place.partition(":")[0]) in seen]

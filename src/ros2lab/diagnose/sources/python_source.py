@@ -174,7 +174,7 @@ class PythonSource:
         """The lines of its text, with their ends."""
         return self.text.encode().splitlines(keepends=True)
 
-    def segment(self, node: ast.expr) -> str:
+    def segment(self, node: ast.expr | ast.keyword) -> str:
         """Return an expression as it is written in the file."""
         last = node.end_lineno or node.lineno
         lines = self.lines[node.lineno - 1 : last]
