@@ -53,8 +53,9 @@ def _ways(source: PythonSource, call: ast.Call, name: str) -> Iterator[tuple[str
     for function, clause in _functions(source, name, is_of_module=not own):
         for taken in (", ".join([*own, *given, *named]), values):
             yield f"{function}({taken})", clause
-    # No method is meant as a module's function.
-    elsewhere = _elsewhere(source, call, name, own) if own else ()
+    asked = (source.resolve(call.func.value) or "").partition(".")[0]
+    # No method is meant as a function of Python's own modules, but many as one of rclpy.
+    elsewhere = () if asked in sys.stdlib_module_names else _elsewhere(source, call, name, own)
     yield from ((f"{called}({values})", clause) for called, clause in elsewhere)
 
 

@@ -32,9 +32,12 @@ def nowhere_seen(root: Path, name: str) -> Finding | None:
 
 
 def _below(folder: Path) -> Iterator[Path]:
-    """Yield what is in a folder and, as far as one would look, in the folders in it."""
+    """Yield what is in a folder and, as far as one would look, in the folders in it that are no packages."""
     for where, names, files in os.walk(folder):
         here = Path(where)
+        if not {"package.xml", "setup.py"}.isdisjoint(files):
+            names.clear()
+            continue
         yield from (here / name for name in sorted([*names, *files]))
         is_deep = len(here.relative_to(folder).parts) >= _DEEPEST
         names[:] = [] if is_deep else [name for name in names if not name.startswith(".")]
