@@ -62,6 +62,107 @@ def test_the_launch_file_gives_a_parameter_under_both_spellings(tmp_path: Path) 
     assert found.fix.startswith("remove sped, and keep the right value as speed, which is there as well")
 
 
+DEEP = "    drive:\n      speed: 0.3\n"
+
+
+@pytest.mark.parametrize(
+    ("given", "declared", "expected"),
+    [
+        (DEEP, "declare_parameter('drive/speed', 0.5)", (4, "write 'drive.speed' instead of 'drive/speed' where the node declares and reads it")),
+        (DEEP, "declare_parameter('drive_speed', 0.5)", (4, "write 'drive.speed' instead of 'drive_speed' where")),
+        ("    drive/speed: 0.3\n", "declare_parameter('drive.speed', 0.5)", (3, "write drive.speed instead of drive/speed")),
+        ("    drive_speed: 0.3\n", "declare_parameter('drive.speed', 0.5)", (3, "write drive.speed instead of drive_speed")),
+        (GIVEN, "declare_parameters('drive', [('speed', 0.5)])", (3, "write drive.speed instead of speed")),
+        (DEEP, "declare_parameters('', [('speed', 0.5)])", (4, "write speed instead of drive.speed")),
+        (DEEP, "declare_parameters('', [('speed', 'fast')])", (4, "write speed instead of drive.speed, with a text as its value")),
+        ("    robot:\n      drive: {speed: 0.3}\n", "declare_parameter('drive.speed', 0.5)", (4, "write drive.speed instead of robot.drive.speed")),
+        ("    left: {speed: 0.3}\n", "declare_parameter('lift.speed', 0.5)", (3, "write lift.speed instead of left.speed, or declare it")),
+        ("    robot: {sped: 0.3}\n", "declare_parameter('robot.speed', 0.5)", (3, "write robot.speed instead of robot.sped")),
+        (DEEP, "declare_parameter('drive.speed', 0.5)", (4, "")),
+        (DEEP, "declare_parameters('drive', [('speed', 0.5)])", (4, "")),
+        ("    drive.speed: 0.3\n", "declare_parameter('drive.speed', 0.5)", (3, "")),
+        (f"{DEEP}    drive_speed: 0.3\n", "declare_parameters('', [('drive_speed', 0.5), ('drive.speed', 0.5)])", (3, "")),
+        ("    wheel: {kp: 0.3, kd: 0.1}\n", "declare_parameters('wheel', [('kp', 0.5), ('kd', 0.5)])", (3, "")),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("section", ["velocity_publisher", "/**"])
+def test_the_parts_of_a_name_are_joined_otherwise(
+    tmp_path: Path, section: str, given: str, declared: str, expected: tuple[int, str]
+) -> None:
+    line, fix = expected
+    files = changed(
+        [
+            (FILE, GIVEN, given),
+            (FILE, "velocity_publisher", section),
+            ("driver", DECLARED, f"self.{declared}"),
+        ]
+    )
+    files.change("driver", "self.get_parameter('speed').value", "0.5")
+    found = found_in(files, tmp_path)
+    assert [(one.place.rpartition(":")[2], fix in one.fix) for one in found] == [(str(line), True)] * bool(
+        fix
+    )
+
+
+def test_two_of_one_name_that_the_node_has_once(tmp_path: Path) -> None:
+    found = found_in(changed([(FILE, GIVEN, "    left: {speed: 0.3}\n    right: {speed: 0.4}\n")]), tmp_path)
+    assert ["declare it: self.declare_parameter" in one.fix for one in found] == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("given", "fix"),
+    [
+        ("{'velocity_publisher': {'ros__parameters': {'speed': 1.0}}}", "write parameters=[{'speed': 1.0}]"),
+        ("{'ros__parameters': {'speed': 1.0}}", "write parameters=[{'speed': 1.0}]"),
+        ("{'/**': {'ros__parameters': {'speed': 1.0}}}", "write parameters=[{'speed': 1.0}]"),
+        ("{'velocity_publisher': {'ros__parameters': {'drive': {'speed': 1.0}}}}", "write parameters=[{'drive.speed': 1.0}]"),
+        ("{'other': {'ros__parameters': {'period': 2.0}}, 'velocity_publisher': {'ros__parameters': {'speed': 1.0}}}", "write parameters=[{'speed': 1.0}]"),
+        ("{'velocity_publisher': {'ros__parameters': {'speed': 2.0 / 2.0}}}", "give speed directly, without the levels above it"),
+        ("__import__('yaml').safe_load('velocity_publisher: {ros__parameters: {speed: 1.0}}')", "give the path of the file itself"),
+        ("{'velocity_publisher': {'speed': 1.0}}", "write speed instead of velocity_publisher.speed"),
+        ("{'speed': 1.0}", ""),
+    ],
+)  # fmt: skip
+def test_a_dictionary_with_the_levels_of_a_file(tmp_path: Path, given: str, fix: str) -> None:
+    found = found_in(changed([(LAUNCH, "[config]", f"[config, {given}]")]), tmp_path)
+    assert [one.fix.startswith(fix) and "declare" not in one.fix for one in found] == [True] * bool(fix)
+
+
+@pytest.mark.parametrize(
+    ("given", "default", "code", "fix"),
+    [
+        ("speed: 010", "5", "parameter-octal", "write speed: 10, without"),
+        ("speed: -0012  # m", "5", "parameter-octal", "write speed: -12, without"),
+        ("speed: [007, 010]", "[1, 2]", "parameter-octal", "write speed: [7, 10], without"),
+        ("drive: {speed: 010}", "5", "parameter-octal", "write drive.speed: 10, without"),
+        ("speed: 08", "5", "parameter-type", "write speed: 8, a whole number"),
+        ("speed: 1e3", "5", "parameter-type", "write speed: 1000, a whole number"),
+        ("speed: 1_000", "5", "parameter-type", "write speed: 1000, a whole number"),
+        ("speed: 1_000.5", "5.0", "parameter-type", "write speed: 1000.5, without"),
+        ("speed: 1.10", "'1.2'", "parameter-type", "put it in quotes"),
+        ("speed: on", "'off'", "parameter-type", "put it in quotes"),
+        ("speed: 010", "0o17", "", ""),
+        ("speed: 007", "5", "", ""),
+        ("speed: 0x1F", "5", "", ""),
+        ("speed: '010'", "'5'", "", ""),
+        ("speed: 12:30", "'5'", "", ""),
+        ("speed: 1e3", "5.0", "", ""),
+    ],
+)
+def test_a_value_that_is_not_read_as_it_is_written(
+    tmp_path: Path, given: str, default: str, code: str, fix: str
+) -> None:
+    name = "drive.speed" if "drive" in given else "speed"
+    files = changed(
+        [(FILE, "speed: 0.3", given), ("driver", DECLARED, f"self.declare_parameter('{name}', {default})")]
+    )
+    files.change("driver", "self.get_parameter('speed').value", "0.5")
+    found = [
+        one for one in Look(files.write(tmp_path), loads=True).findings if one.code.startswith("parameter-")
+    ]
+    assert [(one.code, one.fix.startswith(fix)) for one in found] == [(code, True)] * bool(code)
+
+
 @pytest.mark.parametrize(
     ("given", "fix"),
     [

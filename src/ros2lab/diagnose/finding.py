@@ -141,6 +141,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "parameter-file-missing",
         "parameter-file-node",
         "parameter-name",
+        "parameter-octal",
         "parameter-once",
         "remap-unknown",
         "parameter-replaced",

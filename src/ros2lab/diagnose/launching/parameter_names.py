@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import ast
+import itertools
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 from ros2lab import every_node
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with
 from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.launching.started_faults import Packages, Started, started_in
-from ros2lab.diagnose.nodes.parameter_faults import declared_in, is_node
+from ros2lab.diagnose.nodes.parameter_faults import declared_in, flat, is_misspelt, is_node, renamed
 from ros2lab.diagnose.nodes.parameter_values import of_its_type, type_in_words
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.parameter_file import kind_of, line_of
-from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.diagnose.sources.spelling import is_near_miss, may_mean, nearest, write_instead
+from ros2lab.diagnose.sources.parameter_file import BELOW, kind_of, written_values
+from ros2lab.diagnose.sources.python_source import argument, last_name, read_text
+from ros2lab.diagnose.sources.spelling import may_mean, nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 # The sources of a package, and the module in which a node is made.
@@ -33,13 +35,15 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
         alike = declared_in(sources) or {}
         for path in package.parameter_files:
             inner, text = path.relative_to(package.folder).as_posix(), read_text(path)
-            for key, values in sections_in(text):
+            written = written_values(text) if sections_in(text) else []
+            for key, section in itertools.groupby(written, key=attrgetter("section")):
+                values = {value.name: value for value in section}
                 takers = _takers(key, (package.name, inner), homes, packages, launch_files)
-                for name, value in _flat(values):
-                    # A misspelt parameter is reported elsewhere.
-                    if not any(is_near_miss(name, declared) for declared in alike):
-                        place = at(package.shown(inner), _line(name, key, text))
-                        yield from _fault("The file", (name, value), values, takers, place)
+                for name, value in values.items():
+                    # A misspelt parameter of a node that the section names is reported elsewhere.
+                    if "*" in key or not any(is_misspelt(name, declared) for declared in alike):
+                        place = at(package.shown(inner), value.line)
+                        yield from _fault("The file", (name, value.value), values, takers, place)
     for file in launch_files:
         yield from _of_launch_file(file, packages)
 
@@ -68,17 +72,43 @@ def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
     takers: dict[str, list[Started]] = {}
     for node in started_in(file, packages):
         yield from _of_other_type(node)
-        for name, _ in _flat(node.launched.values):
-            takers.setdefault(name, []).append(node)
-    given = Counter(name for node in file.nodes for name, _ in _flat(node.values))
+        yield from _like_a_file(node, file, packages)
+        for name, _ in flat(node.launched.values):
+            if BELOW not in name.split("."):
+                takers.setdefault(name, []).append(node)
+    given = Counter(name for node in file.nodes for name, _ in flat(node.values))
     for name, nodes in takers.items():
         # A parameter that a node from outside the workspace is given too may be meant for that node.
         if len(nodes) == given[name]:
             launched = nodes[-1].launched
             homes = [(node.sources, node.module) for node in nodes]
-            value = dict(_flat(launched.values))[name]
+            value = dict(flat(launched.values))[name]
             place = nodes[0].launched.place
             yield from _fault("The launch file", (name, value), launched.values, homes, place)
+
+
+def _like_a_file(node: Started, file: LaunchFile, packages: Packages) -> Iterator[Finding]:
+    """Yield that a dictionary of parameters has the levels of a parameter file, so that they become parts of the names."""
+    given = {name: value for name, value in flat(node.launched.values) if BELOW in name.split(".")}
+    if not given:
+        return
+    split = [(*name.rpartition(f"{BELOW}.")[::2], value) for name, value in given.items()]
+    own = [row for row in split if is_node(row[0].strip("."), {"", node.name})]
+    right = {name: value for _, name, value in own or split}
+    paths = (
+        (home.shown(str(p.relative_to(home.folder))), p)
+        for home, _ in packages.values()
+        for p in home.launch_files
+    )
+    text = next((read_text(path) for shown, path in paths if shown == file.shown), "")
+    cause = f"This dictionary has the levels of a parameter file, but launch joins all its keys to one name: it sets {in_a_row([*given])}, which {node.launched.executable} does not have."
+    fix = f"write parameters=[{right!r}]"
+    if "yaml" in text and re.search(r"load(_all)?\(", text):
+        fix = "give the path of the file itself in parameters=[...], and not what yaml reads from it"
+    elif not text or not all(repr(value) in text for value in right.values()):
+        fix = f"give {in_a_row([*right])} directly, without the levels above {'it' if len(right) == 1 else 'them'}"
+    line = line_with(text, BELOW)
+    yield Finding("parameter-name", cause, at(file.shown, line) if line else node.launched.place, fix)
 
 
 def _of_other_type(node: Started) -> Iterator[Finding]:
@@ -87,7 +117,7 @@ def _of_other_type(node: Started) -> Iterator[Finding]:
     for given in node.launched.given:
         values = {**values, **given} if isinstance(given, Mapping) else {}  # a file may give another value
     declared = (declared_in(files) if files else None) or {}
-    for name, value in ((name, value) for name, value in _flat(values) if not isinstance(value, str)):
+    for name, value in ((name, value) for name, value in flat(values) if not isinstance(value, str)):
         wanted, kind = kind_of(declared.get(name, UNKNOWN)), kind_of(value)
         if wanted and kind and wanted != kind:
             cause = f"{node.launched.executable} declares {name} with {type_in_words(wanted)}, but the launch file gives it {value}, {type_in_words(kind)}, so the node does not start."
@@ -126,22 +156,6 @@ def _takers(
     return own if len(own) == len(given) else []
 
 
-def _flat(values: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield parameters by their full names, such as `wheel.radius`."""
-    for key, value in values.items():
-        if isinstance(value, Mapping):
-            yield from _flat(value, f"{above}{key}.")
-        else:
-            yield f"{above}{key}", value
-
-
-def _line(name: str, section: str, text: str) -> int | None:
-    first = line_of(section, text) or 1
-    written = re.compile(rf"(?<![\w.])['\"]?{re.escape(name.rpartition('.')[2])}['\"]?\s*:")
-    lines = enumerate(text.splitlines()[first:], first + 1)
-    return next((number for number, line in lines if written.search(line)), first)
-
-
 def _fault(
     giver: str, given: tuple[str, Any], among: Mapping[Any, Any], takers: Collection[_Home], place: str
 ) -> Iterator[Finding]:
@@ -160,23 +174,37 @@ def _fault(
         node = " and ".join(dict.fromkeys(module.rpartition(".")[2] for _, module in takers))
         cause = f"{giver} sets the parameter {name}, but {node} does not declare it, so ROS ignores it; {node} declares {', '.join(sorted(declared))}."
         declare = f"self.declare_parameter({name!r}, {value!r})"
-        others = {other for other, _ in _flat(among)}
+        others = {other for other, _ in flat(among)}
+        ends = [other for other in declared if _is_end(name, other)]
+        alone = len(ends) == 1 and sum(_is_end(other, ends[0]) for other in others) == 1
         meant = [other for other in declared if may_mean(name, other, declared)]
         close = nearest(name, meant, 0.7) or nearest(name, {*meant} - others, 0.5)
         fix = f"declare it: {declare}"
-        if close:
+        if close := ends[0] if alone else close:
             typed = of_its_type(value, declared[close]) if close not in others else ""
-            fix = f"{write_instead(close, name, others)}{typed}, or declare it: {declare}"
+            right = renamed(name, close, others) + typed
+            fix = right if alone or is_misspelt(name, close) else f"{right}, or {fix}"
         yield Finding("parameter-name", cause, place, fix)
+
+
+def _is_end(name: str, other: str) -> bool:
+    """Return whether two names differ only by the levels above one of them, such as `pid.kp` and `kp`."""
+    return f".{name}".endswith(f".{other}") or f".{other}".endswith(f".{name}")
 
 
 def _may_declare(files: NodeSources, name: str) -> bool:
     """Return whether nodes may declare a parameter other than by a call that names it."""
     for source in files.sources.values():
         called = {id(node.func) for node in source.calls}
+        rows = [
+            argument(call, 1, "parameters")
+            for call in source.calls
+            if last_name(call.func) == "declare_parameters"
+        ]
+        written = {id(node) for row in rows if row for node in ast.walk(row)}
         for node in source.nodes:
             match node:
-                case ast.Constant(value=text) if text == name:
+                case ast.Constant(value=text) if text == name and id(node) not in written:
                     return True
                 case ast.Attribute(attr=attr) if attr.startswith("declare_") and id(node) not in called:
                     return True

@@ -17,12 +17,14 @@ from ros2lab.diagnose.sources.parameter_file import (
     BELOW,
     ParameterFileError,
     UnreadParameterFileError,
+    Written,
     is_for,
     is_other_yaml,
     kind_of,
     line_of,
     parameter_file_repair,
     read_parameter_file,
+    written_values,
 )
 from ros2lab.diagnose.sources.python_source import (
     PythonSource,
@@ -30,7 +32,7 @@ from ros2lab.diagnose.sources.python_source import (
     last_name,
     read_text,
 )
-from ros2lab.diagnose.sources.spelling import is_near_miss, write_instead
+from ros2lab.diagnose.sources.spelling import is_near_miss, same_letters, write_instead
 from ros2lab.diagnose.sources.static_value import UNKNOWN
 
 
@@ -168,9 +170,12 @@ def file_faults(
             offered = {*names} - {*moved} | {*launched}
             own = {key: values for key, values in sections_of(content) if not is_node(key, others)}
             yield from _other_nodes(own, sources, names, offered, lines_of) if "" not in names else ()
-            for section in (own[key] for key in own if is_node(key, names) or "" in names):
-                for name, value in section.items():
-                    yield from _value_faults(name, value, section, declared or {}, lines_of)
+            is_octal = any(_OCTAL.search(source.text) for source in sources.sources.values())
+            written = [v for v in written_values(text) if not is_node(v.section, others)]
+            for value in (v for v in written if is_node(v.section, names) or "" in names):
+                beside = {other.name for other in written if other.section == value.section}
+                yield from _value_faults(value, beside, declared or {}, at(shown, value.line))
+                yield from _octal(value, shown) if value.name in (declared or {}) and not is_octal else ()
             yield from _apart(content, full, lines_of)
             yield from replaced_values(shown, text)
         elif isinstance(content, Mapping):
@@ -220,11 +225,6 @@ class _Lines:
 
     def at(self, key: str) -> str:
         return at(self.shown, line_of(key, self.text))
-
-    def written(self, key: str) -> str:
-        """Return the text after a key on its line."""
-        line = [*self.text.splitlines(), ""][(line_of(key, self.text) or 1) - 1]
-        return re.split(r"\s#", line.partition(":")[2])[0].strip()
 
 
 def _apart(content: Mapping[Any, Any], full: Mapping[str, str], lines: _Lines) -> Iterator[Finding]:
@@ -283,32 +283,68 @@ def _takers(sources: NodeSources, section: Mapping[Any, Any]) -> list[str]:
 
 
 def _value_faults(
-    name: Any, value: Any, section: Mapping[Any, Any], declared: Mapping[str, Any], lines: _Lines
+    value: Written, beside: Collection[str], declared: Mapping[str, Any], place: str
 ) -> Iterator[Finding]:
     """Yield why a node does not take a value: it has another type, or a name that is nearly one of the node's."""
-    default = declared.get(name, UNKNOWN)
-    wanted, given = kind_of(default), kind_of(value)
+    name = value.name
+    wanted, given = kind_of(declared.get(name, UNKNOWN)), kind_of(value.value)
     if wanted and given and wanted != given:
-        shown = lines.written(name) or str(value)
-        cause = f"The parameter {name} is declared as {wanted}, but the file gives it {shown}, of type {given}, so the node does not start."
-        yield Finding("parameter-type", cause, lines.at(name), value_fix(name, shown, given, wanted))
-    near = next((known for known in declared if is_near_miss(name, known)), None)
+        cause = f"The parameter {name} is declared as {wanted}, but the file gives it {value.short}, of type {given}, so the node does not start."
+        yield Finding("parameter-type", cause, place, value_fix(name, value.short, given, wanted))
+    near = next((known for known in declared if is_misspelt(name, known)), None)
     if near and name not in declared:
-        cause = f"The file sets the parameter {name}, but the node declares {near}{', which keeps its default' * (near not in section)}."
-        fix = write_instead(near, name, section) + of_its_type(value, declared[near]) * (near not in section)
-        yield Finding("parameter-name", cause, lines.at(name), fix)
+        cause = f"The file sets the parameter {name}, but the node declares {near}{', which keeps its default' * (near not in beside)}."
+        typed = of_its_type(value.value, declared[near]) * (near not in beside)
+        yield Finding("parameter-name", cause, place, renamed(name, near, beside) + typed)
 
 
-def sections_of(content: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Mapping[Any, Any]]]:
-    """Yield the sections of a parameter file: each node's name as the file has it, and its parameters."""
+_OCTAL = re.compile(r"\b0o[0-7]|\b(?:chmod|umask)\(")  # code that may want an octal number
+
+
+def _octal(value: Written, shown: str) -> Iterator[Finding]:
+    """Yield that a number with a leading zero is not the one that it seems to be."""
+    if value.octal:
+        first = value.octal[0]
+        cause = f"{first} begins with 0, so ROS reads it as an octal number: {int(first, 8)}."
+        right = re.sub(r"(?<![\w.+-])([-+]?)0+(?=[1-9]\d*(?![\w.]))", r"\1", value.short)
+        fix = f"write {value.name}: {right}, without the leading zero"
+        yield Finding("parameter-octal", cause, at(shown, value.line), fix)
+
+
+def is_misspelt(name: str, known: str) -> bool:
+    """Return whether a parameter's name is meant as a declared one: each part of it is, or only the parts are joined otherwise."""
+    parts, others = name.split("."), known.split(".")
+    pairs = zip(parts, others, strict=False)
+    are_alike = len(parts) == len(others) and all(one == o or is_near_miss(one, o) for one, o in pairs)
+    return name != known and (are_alike or same_letters(name, known))
+
+
+def renamed(name: str, known: str, beside: Collection[str]) -> str:
+    """Return how what gives a parameter and the node that declares it come to use one name for it."""
+    if same_letters(name, known) and name.count(".") > known.count(".") and known not in beside:
+        return f"write {name!r} instead of {known!r} where the node declares and reads it: ROS joins a key and those below it with dots"
+    return write_instead(known, name, beside)
+
+
+def sections_of(content: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield the sections of a parameter file: each node's name as the file has it, and its parameters by their full names."""
     for key, value in content.items():
         name = f"{above}/{key}" if above else str(key)
         if isinstance(value, Mapping):
             given = value.get("ros__parameters")
             if isinstance(given, Mapping):
-                yield name, given
+                yield name, dict(flat(given))
             else:
                 yield from sections_of(value, name)
+
+
+def flat(values: Mapping[Any, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield parameters by their full names, such as `wheel.radius`."""
+    for key, value in values.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", value
 
 
 def is_node(key: str, names: Collection[str]) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import re
 from collections.abc import Collection
+from decimal import Decimal
 from typing import Any
 
 import yaml
@@ -88,8 +89,9 @@ def _loses_quotes(value: str) -> bool:
 
 def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
     """Say how to write a value so that YAML reads it as the wanted type, in a file or in a command."""
-    digits = re.match(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)", value.strip().strip("'\""))  # a unit may follow
-    number, is_number = digits[0].replace(",", ".") if digits else "", digits is not None
+    plain = value.strip().strip("'\"").replace("_", "")
+    digits = re.match(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?", plain)  # a unit may follow
+    number, is_number = f"{Decimal(digits[0].replace(',', '.')):f}" if digits else "", digits is not None
     point = number if "." in number else f"{number}.0"
     fixes = {
         "DOUBLE": f"write {name}: {point}, without quotes and with a decimal point; in a command: -p {name}:={point}"
@@ -99,7 +101,7 @@ def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
         "STRING": f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'; in a command: -p {name}:=\"'{value}'\"",
         "BOOL": f"write {name}: true or false, in lower case and without quotes",
     }
-    if wanted == "INTEGER" and kind == "DOUBLE" and is_number:
+    if wanted == "INTEGER" and kind == "DOUBLE" and "." in number:
         return f"declare {name} with a default of type DOUBLE, such as declare_parameter('{name}', {number}): a parameter keeps the type of its default"
     if wanted == "BYTE_ARRAY" and kind.endswith("ARRAY"):
         return f"write declare_parameter('{name}', Parameter.Type.{kind}) in the node, with `from rclpy.parameter import Parameter`: an empty list as the default does not say what type its items have; such a parameter has no value until it is given one, and reading it before that fails"

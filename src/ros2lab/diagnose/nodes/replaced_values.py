@@ -13,21 +13,17 @@ def replaced_values(shown: str, text: str) -> Iterator[Finding]:
     written = written_values(text)
     for index, lost in enumerate(written):
         later = [new for new in written[index + 1 :] if new.name == lost.name and _covers(new, lost)]
-        if not later or later[-1].value == lost.value:
+        if not later or repr(later[-1].value) == repr(lost.value):  # 1 is not 1.0
             continue
         last = later[-1]
-        cause = f"{shown} sets {lost.name} to {_short(lost)} on line {lost.line}, but line {last.line} sets it to {_short(last)} for the same node, and the last value counts."
+        cause = f"{shown} sets {lost.name} to {lost.short} on line {lost.line}, but line {last.line} sets it to {last.short} for the same node, and the last value counts."
         first, second = lines_in_words(*lost.lines), lines_in_words(*last.lines)
         if first == second:  # in braces
             first, second = (f"`{value.name.rpartition('.')[2]}: {value.text}`" for value in (lost, last))
-        fix = f"remove {second} if {_short(lost)} is meant, or {first} if {_short(last)} is"
+        fix = f"remove {second} if {lost.short} is meant, or {first} if {last.short} is"
         yield Finding("parameter-replaced", cause, at(shown, last.line), fix)
 
 
 def _covers(new: Written, lost: Written) -> bool:
     """Return whether a value is for all nodes that another value is for."""
     return new.section == lost.section or ("*" not in lost.section and is_for(new.section, lost.section))
-
-
-def _short(value: Written) -> str:
-    return " ".join(value.text.split())

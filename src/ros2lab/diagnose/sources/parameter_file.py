@@ -388,16 +388,23 @@ class Written:
     Attributes:
         section: the full name of the node, or the pattern, that it is for.
         name: the parameter, with the groups that it is in, as in `gains.p`.
-        value: what ROS reads there, as Python writes it; the same for `False` and `false`, and another for 1 and 1.0.
+        value: what ROS reads there.
+        octal: the numbers in it that ROS reads as octal, as they are written, such as 010.
         lines: what goes with it: the first and the last line to remove, with the heads that would have nothing left.
     """
 
     section: str
     name: str
     text: str
-    value: str
+    value: Any
     line: int
     lines: tuple[int, int]
+    octal: tuple[str, ...] = ()
+
+    @property
+    def short(self) -> str:
+        """The value as it is written, on one line."""
+        return " ".join(self.text.split())
 
 
 def written_values(text: str) -> list[Written]:
@@ -423,8 +430,15 @@ def _written(
         elif section:
             said = text[value.start_mark.index : value.end_mark.index].strip()
             last = int(value.start_mark.line) + 1 + said.count("\n")
+            items = value.value if isinstance(value, yaml.SequenceNode) else [value]
+            octal = tuple(item.value for item in items if not item.style and _is_octal(item.value))
             name = ".".join((*above, key.value))
-            yield Written(section, name, said, repr(_read(value)), _line(key), (head, last))
+            yield Written(section, name, said, _read(value), _line(key), (head, last), octal)
+
+
+def _is_octal(text: str) -> bool:
+    value = _value(text) if re.fullmatch(r"[-+]?0\d+", text) else ""
+    return isinstance(value, int) and value != int(text)
 
 
 def is_for(key: str, full_name: str) -> bool:
