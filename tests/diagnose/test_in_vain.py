@@ -139,3 +139,39 @@ def test_an_argument_in_xml(tmp_path: Path) -> None:
     text = f'<launch>\n  <include file="$(dirname)/one.launch.py">{inner}</include>\n</launch>\n'
     (said,) = told(tmp_path, text, "all.launch.xml", one=file(TAKES))
     assert "write 'max_speed' instead of 'speed'" in said
+
+
+HANDLERS = (
+    "from launch.event_handlers import OnExecutionComplete, OnProcessExit, OnProcessIO, OnProcessStart\n"
+)
+NEXT = "[talker(name='next')]"
+WAITING = {
+    "made again": ("", "talker(), RegisterEventHandler(OnProcessExit(target_action=talker(), on_exit=NEXT))", "another talker"),
+    "at its start": ("one = talker()", "one, RegisterEventHandler(OnProcessStart(target_action=talker(), on_start=NEXT))", "another talker"),
+    "what it prints": ("one = talker()", "RegisterEventHandler(OnProcessIO(target_action=talker(), on_stdout=lambda event: None)), one", "another talker"),
+    "with other values": ("one = talker()", "one, RegisterEventHandler(OnProcessExit(target_action=talker(name='two'), on_exit=NEXT))", "waits for talker, which"),
+    "bound anew": ("one = talker()\n    listed = [one]\n    one = talker()", "*listed, RegisterEventHandler(OnExecutionComplete(target_action=one, on_completion=NEXT))", "another talker"),
+    "in a dictionary": ("all = {'one': talker(), 'two': talker(name='two')}", "all['one'], RegisterEventHandler(OnProcessExit(target_action=all['two'], on_exit=NEXT))", "waits for talker, which"),
+    "the same": ("one = talker()", "RegisterEventHandler(OnProcessExit(target_action=one, on_exit=NEXT)), one", ""),
+    "one that a handler starts": ("one, two = talker(), talker(name='two')", "one, RegisterEventHandler(OnProcessExit(target_action=one, on_exit=[two])), RegisterEventHandler(OnProcessExit(target_action=two, on_exit=NEXT))", ""),
+    "one that a function may start": ("one, two = talker(), talker(name='two')", "one, RegisterEventHandler(OnProcessExit(target_action=one, on_exit=lambda event, context: [two])), RegisterEventHandler(OnProcessExit(target_action=two, on_exit=NEXT))", ""),
+    "one that another function may start": ("one, two = talker(), talker(name='two')\n    def after():\n        return {'two': two}", "one, RegisterEventHandler(OnProcessExit(target_action=one, on_exit=lambda event, context: [*after().values()])), RegisterEventHandler(OnProcessExit(target_action=two, on_exit=NEXT))", ""),
+    "one in a group that is left out": ("one = talker()", "GroupAction([one], condition=IfCondition('false')), RegisterEventHandler(OnProcessExit(target_action=one, on_exit=NEXT))", ""),
+    "one that comes later": ("one = talker()", "TimerAction(period=1.0, actions=[one]), RegisterEventHandler(OnProcessExit(target_action=one, on_exit=NEXT))", ""),
+    "any": ("one = talker()", "one, RegisterEventHandler(OnProcessExit(target_action=lambda action: True, on_exit=NEXT))", ""),
+    "every one": ("one = talker()", "one, RegisterEventHandler(OnProcessExit(on_exit=NEXT))", ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("before", "given", "cause"), WAITING.values(), ids=WAITING)
+def test_a_handler_that_waits_for_what_launch_does_not_get(
+    tmp_path: Path, before: str, given: str, cause: str
+) -> None:
+    text = file(given.replace("NEXT", NEXT)).replace(
+        "    return LaunchDescription", f"    {before or 'pass'}\n    return LaunchDescription"
+    )
+    text = text.replace("TimerAction", "RegisterEventHandler, TimerAction", 1).replace(
+        "from launch.conditions", f"{HANDLERS}from launch.conditions"
+    )
+    found = told(tmp_path, text)
+    assert [cause in said for said in found] == [True] * bool(cause), found

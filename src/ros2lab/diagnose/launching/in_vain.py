@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +51,21 @@ def unknown_arguments(path: Path, shown: str, lost: Sequence[Mapping[str, Any]])
         fix = f"write {meant!r} instead of {name!r}" if meant else f"write one of these instead of {name!r}"
         place = _line_from(text, found["line"], name)
         yield Finding("launch-unused", cause, at(shown, place), f"{fix}, and build again")
+
+
+def never_begun(shown: str, waiting: Sequence[Mapping[str, Any]], told: Collection[str]) -> Iterator[Finding]:
+    """Yield the event handlers that wait for an action which launch never begins; none of those told of already."""
+    for found in waiting:
+        kind, what, alike = found["kind"], found["waits_for"], found["alike"]
+        if at(shown, found["made"]) in told:
+            continue
+        cause = f"{kind} waits for {what}, which launch is never given, so what is to follow never begins."
+        if alike:
+            cause = f"{kind} waits for another {what} than the one that launch is given: each call makes a new one, so what is to follow never begins."
+        fix = "put what it waits for into the launch description, too"
+        if alike:
+            fix = f"make it once: keep it in a variable, and give that variable both to LaunchDescription and to {kind}"
+        yield Finding("launch-lost", cause, at(shown, found["line"]), f"{fix}; then build again", (what,))
 
 
 def _line_from(text: str, first: int | None, name: str) -> int | None:

@@ -23,6 +23,7 @@ import yaml
 
 from ros2lab.diagnose.confinement import confine
 from ros2lab.diagnose.launching.in_order import InOrder
+from ros2lab.diagnose.launching.waited_for import WaitedFor
 
 MEMORY = 2_000_000_000  # bytes
 LONGEST = 20  # s, on a busy machine; files that wait for something are not waited for
@@ -159,6 +160,7 @@ class _Loading:
         self.later: list[dict[str, Any]] = []  # what only actions lack that launch does not run at once
         self.is_later = False
         self.lines: dict[int, tuple[Any, int | None]] = {}  # of each action, where this file makes it
+        self.waited_for = WaitedFor()
         self.order = InOrder(lambda action: self.lines.get(id(action), (None, None))[1])
 
     def result(self, refused: list[str]) -> dict[str, Any]:
@@ -195,7 +197,24 @@ class _Loading:
             "later": self.later,
             "late": self.order.late,
             "unknown": self.order.lost,
+            "waited_for": [] if error else [*self._waited_for()],
         }
+
+    def _waited_for(self) -> Iterator[dict[str, Any]]:
+        """Yield the handlers that wait for what launch is not given, with a node that is written alike and that it is given."""
+        nodes = [(node, given) for node, given, _ in self.made]
+        for kind, target, line in self.waited_for.lost(self.reached):
+            own = next((given for node, given in nodes if node is target), {})
+            alike = [n for n, given in nodes if own and str(given) == str(own) and id(n) in self.reached]
+            places = [self.lines.get(id(action), (None, None))[1] for action in (target, *alike)]
+            executable = str(own.get("executable", "")) or type(target).__name__
+            yield {
+                "kind": kind,
+                "line": line,
+                "waits_for": executable,
+                "made": places[0],
+                "alike": places[1:],
+            }
 
     def _line_of(self, problem: BaseException) -> int | None:
         frames = reversed(traceback.extract_tb(problem.__traceback__))
@@ -271,6 +290,7 @@ class _Loading:
         else:
             # Timers and event handlers are taken to fire.
             self.order.waits()
+            self.waited_for.registered(entity)
             for child in _inside(entity):
                 self._visit_later(child, context)
 
@@ -337,6 +357,7 @@ class _Loading:
     def _watched(self) -> Iterator[None]:
         """Note each node that is made, with its line, and each XML or YAML attribute that no action takes."""
         import launch
+        import launch.event_handler
         import launch_xml
         import launch_yaml
 
@@ -358,7 +379,15 @@ class _Loading:
             loading.lines[id(action)] = (action, line_here())
             init_of_all(action, *given, **named)
 
+        def handled(handler: Any, *given: Any, **named: Any) -> None:
+            loading.waited_for.made(handler, sys._getframe(1), line_here())
+            init_of_handlers(handler, *given, **named)
+
+        handlers = launch.event_handler.BaseEventHandler
+        init_of_handlers = vars(handlers)["__init__"]
         kept = [(self.node, "__init__", init), (launch.Action, "__init__", init_of_all)]
+        kept.append((handlers, "__init__", init_of_handlers))
+        setattr(handlers, "__init__", handled)  # noqa: B010 -- likewise
         setattr(self.node, "__init__", noted)  # noqa: B010 -- a class that is only known here
         setattr(launch.Action, "__init__", placed)  # noqa: B010 -- likewise
         for entity in (launch_xml.Entity, launch_yaml.Entity):
