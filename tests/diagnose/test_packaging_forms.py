@@ -339,3 +339,51 @@ def test_what_setup_is_not_given_is_put_into_its_parentheses(
 )
 def test_what_setup_is_given_by_another_name_is_left_alone(tmp_path: Path, places: dict[str, str]) -> None:
     assert of_workspace(with_setup("entry_points", **places).write(tmp_path)) == []
+
+
+SHARE = "os.path.join('share', package_name, 'launch')"
+REFUSED = {
+    "a slash before share": ("('/share/' + package_name, FILES)", "isabs(dest)", "write 'share/' + package_name instead of"),
+    "in the first part": ("(os.path.join('/share', package_name, 'launch'), FILES)", "isabs(dest)", f"write {SHARE} instead of"),
+    "in a later part": ("(os.path.join('share', '/' + package_name, 'launch'), FILES)", "isabs(dest)", f"write {SHARE} instead of"),
+    "a folder of the system": ("('/opt/robot', FILES)", "isabs(dest)", "write 'share/my_bot', or a folder in it, instead of '/opt/robot'"),
+    "below Python": ("(__import__('sys').prefix + '/share', FILES)", "isabs(dest)", "write each folder as in os.path.join('share', package_name)"),
+    "files by their whole paths": ("('share/x', glob(os.path.abspath('launch/*')))", "isabs(source)", "give each file by its path from the folder of setup.py"),
+    "a tuple of files": ("('share/x', tuple(FILES))", "isinstance(sources, list)", "write [ and ] around the files"),
+    "three parts": ("('share/x', FILES, 1)", "len(data_file) == 2", "write each entry as (folder, [files])"),
+}  # fmt: skip
+ASSERTED = """\
+$ colcon build
+Starting >>> my_bot
+--- stderr: my_bot
+Traceback (most recent call last):
+  File "/opt/colcon_ros/task/ament_python/build.py", line 54, in build
+    data_files = get_data_files_mapping(
+  File "/opt/colcon_core/task/python/__init__.py", line 38, in get_data_files_mapping
+    assert not LINE
+AssertionError
+---
+Failed   <<< my_bot [0.34s, exited with code 1]
+"""
+
+
+@pytest.mark.parametrize(("row", "asserted", "fix"), REFUSED.values(), ids=REFUSED)
+def test_data_files_that_colcon_asserts_something_else_of(
+    tmp_path: Path, row: str, asserted: str, fix: str
+) -> None:
+    files = Files.right(NAMES[1])
+    text = files.texts["src/my_bot/setup.py"]
+    files.put(
+        "setup.py",
+        text.replace("    data_files=[\n", f"    data_files=[\n        {row.replace('FILES', LAUNCHES)},\n"),
+    )
+    (found, *_) = of_text(ASSERTED.replace("not LINE", asserted), files.write(tmp_path))
+    assert found.code == "setup-value"
+    assert found.fix.startswith(fix)
+
+
+def test_of_a_build_that_is_shown_to_fail_it_is_not_told_that_there_is_none(tmp_path: Path) -> None:
+    files = Files.right(NAMES[1])
+    files.texts["install/setup.bash"] = ""
+    text = ASSERTED.replace("get_data_files_mapping", "other").replace("python/__init__", "other")
+    assert "not-built" not in {found.code for found in of_text(text, files.write(tmp_path))}

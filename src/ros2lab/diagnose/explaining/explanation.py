@@ -45,7 +45,7 @@ from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.explaining.shown_values import shown_values
 from ros2lab.diagnose.explaining.started_files import of_started_file
 from ros2lab.diagnose.explaining.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
-from ros2lab.diagnose.explaining.unbuilt import failed_build, of_earlier
+from ros2lab.diagnose.explaining.unbuilt import failed_build, of_earlier, of_refused_files
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
 from ros2lab.diagnose.look import Look, workspace_around
 from ros2lab.diagnose.mending.repairs import tried, worth_typing
@@ -194,6 +194,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
     return (
         of_assertion(error, look)
         or of_test_without_init(error, look)
+        or of_refused_files(error, look)
         or of_taken(error, look)
         or of_own_raise(error, look)
         or of_lone_argument(error, look)

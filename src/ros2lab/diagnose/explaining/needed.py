@@ -18,15 +18,18 @@ _BUILDS_ALL = re.compile(r"\bcolcon build\b(?!.*--packages-(?:select|up-to|start
 
 
 def of_needed(findings: Sequence[Finding], error: ErrorText, look: Look) -> list[Finding]:
-    """Drop findings about unbuilt packages that no command needs, and about files that were read all the same.
+    """Drop findings about unbuilt packages that no command needs or whose build is shown, and about files that were read all the same.
 
     A launch file that is started by its path need not be installed. If no command names a package of the workspace, or one builds them all, every package is needed.
     """
     _, served = sections_read(error, look)
     by_path = {word.rpartition("/")[2] for line in error.typed for word in line.split() if "/" in word}
+    failed = re.findall(r"^Failed +<<< ([\w.-]+)", error.text, re.MULTILINE)
+    tried = {package.shown("") for package in look.packages if package.name in failed}
     findings = [
         finding
         for finding in findings
+        if not (finding.code == "not-built" and finding.place in tried)  # the text says why
         if not (finding.code == "parameter-file-node" and finding.place.partition(":")[0] in served)
         if not (finding.code == "not-in-data-files" and by_path.intersection(finding.about))
     ]

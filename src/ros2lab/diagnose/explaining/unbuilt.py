@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ros2lab.diagnose.explaining.commands import corrected
 from ros2lab.diagnose.explaining.needed import uses
-from ros2lab.diagnose.finding import Finding, stops_build
+from ros2lab.diagnose.finding import Finding, at, stops_build
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.packaging.build_order import BuildOrder
 from ros2lab.diagnose.packaging.installed import changed_sources, prefix_of
@@ -73,6 +73,41 @@ def not_yet_built(package: SourcePackage, look: Look, error: ErrorText) -> Findi
     cause = f"The package {name} is in src but has not been built."
     fix = f"colcon build --packages-select {name}, then source install/setup.bash"
     return Finding("not-built", cause, place, fix)
+
+
+def of_refused_files(error: ErrorText, look: Look) -> Finding | None:
+    """Say which assertion of colcon the data_files of a package do not pass; None for any other error."""
+    frame = error.report.frames[-1] if error.report and error.report.frames else None
+    if frame is None or not frame.file.endswith("colcon_core/task/python/__init__.py"):
+        return None
+    failed = re.findall(r"^(?:Failed +<<<|--- stderr:) ([\w.-]+)", error.text, re.M)
+    home = next((package for package in look.packages if package.name in failed), None)
+    why = next((words for asserted, words in _ASSERTED.items() if asserted in frame.text), None)
+    if home is None or home.setup is None or why is None:
+        return None
+    shown = home.setup.source.shown
+    stops = (one for one in look.findings if stops_build(one) and one.place.startswith(shown))
+    place = at(shown, home.setup.line("data_files"))
+    cause = f"colcon refuses data_files in setup.py: {why[0]}."
+    return next(stops, None) or Finding("setup-value", cause, place, why[1], ("data_files",))
+
+
+# What colcon asserts of each entry, what is so if that fails, and what to write.
+_ASSERTED = {
+    "isabs(dest)": (
+        "a folder to install into is an absolute path",
+        "write each folder as in os.path.join('share', package_name), with no slash, sys.prefix or home folder before it",
+    ),
+    "isabs(": (
+        "a file to install is given by an absolute path",
+        "give each file by its path from the folder of setup.py, as in glob('launch/*.py'), without os.path.abspath or a folder before it",
+    ),
+    "isinstance(sources": (
+        "the files of a folder are not a list",
+        "write [ and ] around the files of each folder, or list(...)",
+    ),
+    "len(": ("an entry does not have two parts", "write each entry as (folder, [files])"),
+}
 
 
 def no_prerequisite(error: ErrorText, look: Look) -> Finding | None:

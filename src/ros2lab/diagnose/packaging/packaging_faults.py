@@ -176,7 +176,11 @@ def _places_for_ros(package: SourcePackage, setup: SetupScript) -> Iterator[Find
         folder = "launch" if path in package.launch_files else relative.partition("/")[0]
         share = f"share/{package.name}"
         target = next((target for target, files in setup.data_files if relative in files), "")
-        if target and not target.startswith("/") and not f"{target}/".startswith(f"{share}/"):
+        if (
+            target
+            and not target.startswith("/")
+            and not f"{os.path.normpath(target)}/".startswith(f"{share}/")
+        ):
             written, line = setup.written(target)
             cause = f"{relative} is installed into {target}, but ROS looks for it in {share}."
             fix = f"write '{share}/{folder}' instead of {written}, and build again"

@@ -224,8 +224,10 @@ def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
                 yield _value(
                     setup, "data_files", cause, f"write (os.path.join('share', package_name), [{entry!r}])"
                 )
-            case [str(), [*files]]:
+            case [str() as target, [*files]]:
                 yield from _files(package, setup, files)
+                if target.startswith("/") and package.build_type == "ament_python":
+                    yield _absolute(package, setup, target)
                 if number in lists:
                     cause = f"the folder {entry[0]} and its files are in [ ], but colcon needs each such pair in ( )"
                     yield _value(
@@ -234,6 +236,17 @@ def _data_files(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]
                         cause,
                         f"write ( instead of the [ before {entry[0]!r}, and ) instead of its ]",
                     )
+
+
+def _absolute(package: SourcePackage, setup: SetupScript, target: str) -> Finding:
+    """Say that a folder in data_files is an absolute path."""
+    written, line = setup.written(target.rstrip("/"))
+    better = re.sub(r"(^|[(,]\s*)(f?['\"])/+", r"\1\2", written).replace("'' + ", "")
+    is_meant = target.lstrip("/").startswith(("share/", "lib/")) or better.startswith("os.path.join('share',")
+    right = better if is_meant and better != written else f"'share/{package.name}', or a folder in it,"
+    cause = f"data_files installs into {target}: that begins with a slash, so it is an absolute path, which colcon refuses with an AssertionError that says nothing."
+    fix = f"write {right} instead of {written}: colcon puts it into the package's own install folder"
+    return Finding("setup-value", cause, at(setup.source.shown, line), fix, ("data_files",))
 
 
 def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iterator[Finding]:
