@@ -175,3 +175,45 @@ def test_a_handler_that_waits_for_what_launch_does_not_get(
     )
     found = told(tmp_path, text)
     assert [cause in said for said in found] == [True] * bool(cause), found
+
+
+def speed(default: str) -> str:
+    return TAKES.replace("'0.2'", repr(default))
+
+
+SHARED = {
+    "a default": (("include('one.launch.py')", "include('two.launch.py')"), speed("0.2"), "'0.9' for max_speed: one.launch.py"),
+    "what is set": (("include('one.launch.py')", "include('two.launch.py')"), "SetLaunchConfiguration('max_speed', '0.1'), talker()", "sets max_speed to '0.1'"),
+    "what is passed on": (("include('one.launch.py', max_speed='0.4')", "include('two.launch.py')"), speed("0.9"), "sets max_speed to '0.4'"),
+    "one file twice": (("include('two.launch.py', max_speed='0.4')", "include('two.launch.py')"), "talker()", "sets max_speed to '0.4'"),
+    "the one of a group": (("GroupAction([include('one.launch.py'), include('two.launch.py')])",), speed("0.2"), "max_speed='0.9' as an argument"),
+    "the same default": (("include('one.launch.py')", "include('two.launch.py')"), speed("0.9"), ""),
+    "passed on to both": (("include('one.launch.py', max_speed='0.4')", "include('two.launch.py', max_speed='0.4')"), speed("0.9"), ""),
+    "of the file itself": (("DeclareLaunchArgument('max_speed', default_value='0.1')", "include('one.launch.py')", "include('two.launch.py')"), speed("0.2"), ""),
+    "each in a group": (("GroupAction([include('one.launch.py')])", "GroupAction([include('two.launch.py')])"), speed("0.2"), ""),
+    "as in the group before": (("SetLaunchConfiguration('max_speed', '0.4')", "GroupAction([include('one.launch.py', max_speed='0.4')])", "include('two.launch.py')"), speed("0.2"), ""),
+    "set again between them": (("include('one.launch.py')", "SetLaunchConfiguration('max_speed', '0.3')", "include('two.launch.py')"), speed("0.2"), ""),
+    "a file only of settings": (("include('one.launch.py')", "include('two.launch.py')"), "SetLaunchConfiguration('max_speed', '0.1')", ""),
+    "in the other order": (("include('two.launch.py')", "include('one.launch.py')"), "SetLaunchConfiguration('max_speed', '0.1'), talker()", ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("actions", "one", "said"), SHARED.values(), ids=SHARED)
+def test_what_an_included_file_leaves_for_the_next(
+    tmp_path: Path, actions: tuple[str, ...], one: str, said: str
+) -> None:
+    found = told(tmp_path, file(*actions), one=file(one), two=file(speed("0.9")))
+    assert [said in text for text in found] == [True] * bool(said), found
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "count"),
+    [("left", "right", 1), ("left", "/right", 0), ("left", "", 0), ("", "right", 0)],
+)
+def test_a_namespace_that_an_included_file_leaves(
+    tmp_path: Path, first: str, second: str, count: int
+) -> None:
+    one, two = (f"PushRosNamespace('{name}'), talker()" if name else "talker()" for name in (first, second))
+    both = file("include('one.launch.py')", "include('two.launch.py')")
+    found = told(tmp_path, both, one=file(one), two=file(two))
+    assert ["two.launch.py starts its programs in /left/right" in text for text in found] == [True] * count

@@ -68,6 +68,22 @@ def never_begun(shown: str, waiting: Sequence[Mapping[str, Any]], told: Collecti
         yield Finding("launch-lost", cause, at(shown, found["line"]), f"{fix}; then build again", (what,))
 
 
+def shared(path: Path, shown: str, rows: Sequence[Mapping[str, Any]]) -> Iterator[Finding]:
+    """Yield the included files that get what an earlier one has set."""
+    text, group = read_text(path), "<group>" if path.suffix == ".xml" else "a group"
+    group = "GroupAction([...])" if path.suffix == ".py" else group
+    for found in rows:
+        (first, file), name = found["files"], found["name"]
+        line = found["line"] or line_with(text, file)
+        keeps = f"{first}, which is included before it, sets {name} to {found['value']!r}, and included files share what they set"
+        cause = f"{file} does not get its default {found['alone']!r} for {name}: {keeps}."
+        fix = f"put each include into {group} of its own, or give this one {name}={found['alone']!r} as an argument"
+        if not found["alone"]:
+            cause = f"{file} starts its programs in {found['value']}: {first}, which is included before it, leaves its namespace behind, as included files share what they set."
+            fix = f"put each include into {group} of its own"
+        yield Finding("launch-unused", cause, at(shown, line), f"{fix}; then build again", (name,))
+
+
 def _line_from(text: str, first: int | None, name: str) -> int | None:
     """Return the line where a name is quoted, from a line on; that line if it is quoted nowhere below."""
     lines = text.splitlines()

@@ -197,6 +197,7 @@ class _Loading:
             "later": self.later,
             "late": self.order.late,
             "unknown": self.order.lost,
+            "shared": self.order.shared,
             "waited_for": [] if error else [*self._waited_for()],
         }
 

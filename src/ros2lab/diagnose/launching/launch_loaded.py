@@ -18,7 +18,7 @@ from typing import Any
 from ros2lab.diagnose.finding import SAID, Finding, at, line_with
 from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.entity_shapes import shapes
-from ros2lab.diagnose.launching.in_vain import never_begun, set_late, unknown_arguments
+from ros2lab.diagnose.launching.in_vain import never_begun, set_late, shared, unknown_arguments
 from ros2lab.diagnose.launching.launch_file import SHARE, Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
 from ros2lab.diagnose.launching.own_modules import own_module
@@ -160,6 +160,7 @@ def _joined(
         *_torn(source, given, packages),
         *_from_here(source, given, packages),
         *set_late(path, file.shown, told["late"], paths),
+        *shared(path, file.shown, told["shared"]),
         *unknown_arguments(path, file.shown, told["unknown"]),
     )
     faults += (*never_begun(file.shown, told["waited_for"], [fault.place for fault in faults]),)
