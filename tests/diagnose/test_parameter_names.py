@@ -129,34 +129,38 @@ def test_a_dictionary_with_the_levels_of_a_file(tmp_path: Path, given: str, fix:
 
 
 @pytest.mark.parametrize(
-    ("given", "default", "code", "fix"),
+    ("given", "default", "expected"),
     [
-        ("speed: 010", "5", "parameter-octal", "write speed: 10, without"),
-        ("speed: -0012  # m", "5", "parameter-octal", "write speed: -12, without"),
-        ("speed: [007, 010]", "[1, 2]", "parameter-octal", "write speed: [7, 10], without"),
-        ("drive: {speed: 010}", "5", "parameter-octal", "write drive.speed: 10, without"),
-        ("speed: 08", "5", "parameter-type", "write speed: 8, a whole number"),
-        ("speed: 1e3", "5", "parameter-type", "write speed: 1000, a whole number"),
-        ("speed: 1_000", "5", "parameter-type", "write speed: 1000, a whole number"),
-        ("speed: 1_000.5", "5.0", "parameter-type", "write speed: 1000.5, without"),
-        ("speed: 1.10", "'1.2'", "parameter-type", "put it in quotes"),
-        ("speed: on", "'off'", "parameter-type", "put it in quotes"),
-        ("speed: 010", "0o17", "", ""),
-        ("speed: 007", "5", "", ""),
-        ("speed: 0x1F", "5", "", ""),
-        ("speed: '010'", "'5'", "", ""),
-        ("speed: 12:30", "'5'", "", ""),
-        ("speed: 1e3", "5.0", "", ""),
+        ("speed: 010", "5", ("parameter-octal", "write speed: 10, without")),
+        ("speed: -0012  # m", "5", ("parameter-octal", "write speed: -12, without")),
+        ("speed: [007, 010]", "[1, 2]", ("parameter-octal", "write speed: [7, 10], without")),
+        ("drive: {speed: 010}", "5", ("parameter-octal", "write drive.speed: 10, without")),
+        ("speed: 08", "5", ("parameter-type", "write speed: 8, a whole number")),
+        ("speed: 1e3", "5", ("parameter-type", "write speed: 1000, a whole number")),
+        ("speed: 1_000", "5", ("parameter-type", "write speed: 1000, a whole number")),
+        ("speed: 1_000.5", "5.0", ("parameter-type", "write speed: 1000.5, without")),
+        ("speed: 1.10", "'1.2'", ("parameter-type", "put it in quotes")),
+        ("speed: on", "'off'", ("parameter-type", "put it in quotes")),
+        ("speed: 010", "0o17", ("", "")),
+        ("speed: 007", "5", ("", "")),
+        ("speed: 0x1F", "5", ("", "")),
+        ("speed: '010'", "'5'", ("", "")),
+        ("speed: 12:30", "'5'", ("", "")),
+        ("speed: 1e3", "5.0", ("", "")),
     ],
 )
+@pytest.mark.parametrize("section", ["velocity_publisher", "/**"])
 def test_a_value_that_is_not_read_as_it_is_written(
-    tmp_path: Path, given: str, default: str, code: str, fix: str
+    tmp_path: Path, section: str, given: str, default: str, expected: tuple[str, str]
 ) -> None:
+    code, fix = expected
     name = "drive.speed" if "drive" in given else "speed"
     files = changed(
         [(FILE, "speed: 0.3", given), ("driver", DECLARED, f"self.declare_parameter('{name}', {default})")]
     )
     files.change("driver", "self.get_parameter('speed').value", "0.5")
+    if code != "parameter-type":
+        files.change(FILE, "velocity_publisher", section)
     found = [
         one for one in Look(files.write(tmp_path), loads=True).findings if one.code.startswith("parameter-")
     ]

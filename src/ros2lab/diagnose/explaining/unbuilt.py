@@ -82,31 +82,22 @@ def of_refused_files(error: ErrorText, look: Look) -> Finding | None:
         return None
     failed = re.findall(r"^(?:Failed +<<<|--- stderr:) ([\w.-]+)", error.text, re.M)
     home = next((package for package in look.packages if package.name in failed), None)
-    why = next((words for asserted, words in _ASSERTED.items() if asserted in frame.text), None)
-    if home is None or home.setup is None or why is None:
+    fix = next((right for asserted, right in _ASSERTED.items() if asserted in frame.text), "")
+    if home is None or home.setup is None or not fix:
         return None
     shown = home.setup.source.shown
     stops = (one for one in look.findings if stops_build(one) and one.place.startswith(shown))
     place = at(shown, home.setup.line("data_files"))
-    cause = f"colcon refuses data_files in setup.py: {why[0]}."
-    return next(stops, None) or Finding("setup-value", cause, place, why[1], ("data_files",))
+    cause = f"colcon refuses data_files in setup.py: `{frame.text}` does not hold."
+    return next(stops, None) or Finding("setup-value", cause, place, fix, ("data_files",))
 
 
-# What colcon asserts of each entry, what is so if that fails, and what to write.
+# What colcon asserts of each entry, and what to write where that does not hold.
 _ASSERTED = {
-    "isabs(dest)": (
-        "a folder to install into is an absolute path",
-        "write each folder as in os.path.join('share', package_name), with no slash, sys.prefix or home folder before it",
-    ),
-    "isabs(": (
-        "a file to install is given by an absolute path",
-        "give each file by its path from the folder of setup.py, as in glob('launch/*.py'), without os.path.abspath or a folder before it",
-    ),
-    "isinstance(sources": (
-        "the files of a folder are not a list",
-        "write [ and ] around the files of each folder, or list(...)",
-    ),
-    "len(": ("an entry does not have two parts", "write each entry as (folder, [files])"),
+    "isabs(dest)": "write each folder as in os.path.join('share', package_name), with no slash, sys.prefix or home folder before it",
+    "isabs(": "give each file by its path from the folder of setup.py, as in glob('launch/*.py'), without os.path.abspath or a folder before it",
+    "isinstance(sources": "write [ and ] around the files of each folder, or list(...)",
+    "len(": "write each entry as (folder, [files])",
 }
 
 

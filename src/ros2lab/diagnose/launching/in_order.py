@@ -28,9 +28,7 @@ class _Scope:
 
     first: dict[str, Any] | None = None
     unused: list[Any] = field(default_factory=list)
-    setters: dict[str, Any] = field(
-        default_factory=dict
-    )  # of each configuration, the include that has set it last
+    setters: dict[str, Any] = field(default_factory=dict)  # the include that has set a configuration
 
 
 class InOrder:

@@ -88,7 +88,7 @@ def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
 
 
 def _like_a_file(node: Started, file: LaunchFile, packages: Packages) -> Iterator[Finding]:
-    """Yield that a dictionary of parameters has the levels of a parameter file, so that they become parts of the names."""
+    """Yield that the parameters in a launch file have the levels of a parameter file, so that they become parts of the names."""
     given = {name: value for name, value in flat(node.launched.values) if BELOW in name.split(".")}
     if not given:
         return
@@ -101,11 +101,11 @@ def _like_a_file(node: Started, file: LaunchFile, packages: Packages) -> Iterato
         for p in home.launch_files
     )
     text = next((read_text(path) for shown, path in paths if shown == file.shown), "")
-    cause = f"This dictionary has the levels of a parameter file, but launch joins all its keys to one name: it sets {in_a_row([*given])}, which {node.launched.executable} does not have."
+    cause = f"These parameters have the levels of a parameter file, but launch joins all of them to one name: it sets {in_a_row([*given])}, which {node.launched.executable} does not have."
     fix = f"write parameters=[{right!r}]"
     if "yaml" in text and re.search(r"load(_all)?\(", text):
         fix = "give the path of the file itself in parameters=[...], and not what yaml reads from it"
-    elif not text or not all(repr(value) in text for value in right.values()):
+    elif not file.shown.endswith(".py") or not all(repr(value) in text for value in right.values()):
         fix = f"give {in_a_row([*right])} directly, without the levels above {'it' if len(right) == 1 else 'them'}"
     line = line_with(text, BELOW)
     yield Finding("parameter-name", cause, at(file.shown, line) if line else node.launched.place, fix)

@@ -171,11 +171,13 @@ def file_faults(
             own = {key: values for key, values in sections_of(content) if not is_node(key, others)}
             yield from _other_nodes(own, sources, names, offered, lines_of) if "" not in names else ()
             is_octal = any(_OCTAL.search(source.text) for source in sources.sources.values())
-            written = [v for v in written_values(text) if not is_node(v.section, others)]
+            written = written_values(text)
             for value in (v for v in written if is_node(v.section, names) or "" in names):
                 beside = {other.name for other in written if other.section == value.section}
-                yield from _value_faults(value, beside, declared or {}, at(shown, value.line))
-                yield from _octal(value, shown) if value.name in (declared or {}) and not is_octal else ()
+                if not is_node(value.section, others):
+                    yield from _value_faults(value, beside, declared or {}, at(shown, value.line))
+                if value.octal and value.name in (declared or {}) and not is_octal:
+                    yield _octal(value, at(shown, value.line))
             yield from _apart(content, full, lines_of)
             yield from replaced_values(shown, text)
         elif isinstance(content, Mapping):
@@ -301,14 +303,13 @@ def _value_faults(
 _OCTAL = re.compile(r"\b0o[0-7]|\b(?:chmod|umask)\(")  # code that may want an octal number
 
 
-def _octal(value: Written, shown: str) -> Iterator[Finding]:
-    """Yield that a number with a leading zero is not the one that it seems to be."""
-    if value.octal:
-        first = value.octal[0]
-        cause = f"{first} begins with 0, so ROS reads it as an octal number: {int(first, 8)}."
-        right = re.sub(r"(?<![\w.+-])([-+]?)0+(?=[1-9]\d*(?![\w.]))", r"\1", value.short)
-        fix = f"write {value.name}: {right}, without the leading zero"
-        yield Finding("parameter-octal", cause, at(shown, value.line), fix)
+def _octal(value: Written, place: str) -> Finding:
+    """Say that a number with a leading zero is not the one that it seems to be."""
+    first = value.octal[0]
+    cause = f"ROS reads {first} as {int(first, 8)}: a number that begins with 0 is octal."
+    right = re.sub(r"(?<![\w.+-])([-+]?)0+(?=[1-9]\d*(?![\w.]))", r"\1", value.short)
+    fix = f"write {value.name}: {right}, without the leading zero"
+    return Finding("parameter-octal", cause, place, fix)
 
 
 def is_misspelt(name: str, known: str) -> bool:
