@@ -185,6 +185,7 @@ SHARED = {
     "a default": (("include('one.launch.py')", "include('two.launch.py')"), speed("0.2"), "'0.9' for max_speed: one.launch.py"),
     "what is set": (("include('one.launch.py')", "include('two.launch.py')"), "SetLaunchConfiguration('max_speed', '0.1'), talker()", "sets max_speed to '0.1'"),
     "what is passed on": (("include('one.launch.py', max_speed='0.4')", "include('two.launch.py')"), speed("0.9"), "sets max_speed to '0.4'"),
+    "an empty default": (("include('two.launch.py', max_speed='0.4')", "include('one.launch.py')"), speed(""), "one.launch.py does not get its default '' for max_speed"),
     "one file twice": (("include('two.launch.py', max_speed='0.4')", "include('two.launch.py')"), "talker()", "sets max_speed to '0.4'"),
     "the one of a group": (("GroupAction([include('one.launch.py'), include('two.launch.py')])",), speed("0.2"), "max_speed='0.9' as an argument"),
     "the same default": (("include('one.launch.py')", "include('two.launch.py')"), speed("0.9"), ""),

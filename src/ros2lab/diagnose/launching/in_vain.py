@@ -75,10 +75,9 @@ def shared(path: Path, shown: str, rows: Sequence[Mapping[str, Any]]) -> Iterato
     for found in rows:
         (first, file), name = found["files"], found["name"]
         line = found["line"] or line_with(text, file)
-        keeps = f"{first}, which is included before it, sets {name} to {found['value']!r}, and included files share what they set"
-        cause = f"{file} does not get its default {found['alone']!r} for {name}: {keeps}."
+        cause = f"{file} does not get its default {found['alone']!r} for {name}: {first}, which is included before it, sets {name} to {found['value']!r}, and included files share what they set."
         fix = f"put each include into {group} of its own, or give this one {name}={found['alone']!r} as an argument"
-        if not found["alone"]:
+        if name == "ros_namespace":  # where launch keeps it
             cause = f"{file} starts its programs in {found['value']}: {first}, which is included before it, leaves its namespace behind, as included files share what they set."
             fix = f"put each include into {group} of its own"
         yield Finding("launch-unused", cause, at(shown, line), f"{fix}; then build again", (name,))

@@ -209,13 +209,8 @@ class _Loading:
             alike = [n for n, given in nodes if own and str(given) == str(own) and id(n) in self.reached]
             places = [self.lines.get(id(action), (None, None))[1] for action in (target, *alike)]
             executable = str(own.get("executable", "")) or type(target).__name__
-            yield {
-                "kind": kind,
-                "line": line,
-                "waits_for": executable,
-                "made": places[0],
-                "alike": places[1:],
-            }
+            row = {"kind": kind, "line": line, "waits_for": executable}
+            yield {**row, "made": places[0], "alike": places[1:]}
 
     def _line_of(self, problem: BaseException) -> int | None:
         frames = reversed(traceback.extract_tb(problem.__traceback__))
