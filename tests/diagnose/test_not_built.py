@@ -81,6 +81,15 @@ def test_a_list_in_setup_cfg_is_mended_there(tmp_path: Path, cfg: str, fix: str)
     assert fix in found.fix
 
 
+def test_a_search_that_needs_no_init_file_skips_none(tmp_path: Path) -> None:
+    package = made(tmp_path, "version='0.0.1'", "bot/inner/units.py")
+    find = "[options]\npackages = find_namespace:\n[options.packages.find]\ninclude = bot\n"
+    (package.folder / "setup.cfg").write_text(find)
+    found = not_built(package, "bot.inner")
+    assert found is not None
+    assert found.code == "package-not-listed"
+
+
 @pytest.mark.parametrize("where", ["/usr/lib", "../.."])
 def test_nothing_outside_a_package_is_searched(tmp_path: Path, where: str) -> None:
     package = made(tmp_path, f"packages=find_packages({where!r})", *INNER)

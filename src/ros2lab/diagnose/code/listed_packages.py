@@ -62,7 +62,9 @@ def not_listed(package: SourcePackage, setup: SetupScript, name: str) -> Finding
     search = in_cfg or "find_packages()" * ("find_packages(" in setup.source.text)
 
     def is_skipped(name: str) -> bool:
-        return search.startswith("find") and not (package.folder_of(name) / "__init__.py").is_file()
+        return (
+            search in ("find:", "find_packages()") and not (package.folder_of(name) / "__init__.py").is_file()
+        )
 
     if is_skipped(name):
         return _skipped(package, name, search)
@@ -125,7 +127,8 @@ def _not_in_cfg(package: SourcePackage, in_cfg: str, lacking: list[str]) -> Find
         each = ", ".join([*names, *lacking])
         fix = f"write `packages =` instead of `packages = {in_cfg}`, and below it {each}, each on an indented line of its own, and build again"
     else:
-        fix = f"write {in_a_row(lacking)} on a line of its own below {names[-1]}, as far to the right, and build again"
+        own = "on a line of its own" if len(lacking) == 1 else "each on a line of its own,"
+        fix = f"write {in_a_row(lacking)} {own} below {names[-1]}, as far to the right, and build again"
     return Finding("package-not-listed", cause, at(package.shown("setup.cfg"), line), fix)
 
 
