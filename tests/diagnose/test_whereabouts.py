@@ -130,6 +130,12 @@ def test_who_still_asks_for_the_old_name_of_a_package_is_told(
     )
 
 
+def test_a_module_may_keep_the_old_name_of_its_package(tmp_path: Path) -> None:
+    files = Files.right(NAMES[1]).put("old_bot/__init__.py", "").put("old_bot/tools.py", "")
+    files.change("my_bot/talker.py", "import rclpy\n", "import old_bot.tools\nimport rclpy\n")
+    assert "launch-package" not in [finding.code for finding in _after_rename(files, tmp_path)]
+
+
 def _after_rename(files: Files, root: Path) -> list[Finding]:
     """Return what is told of a package that was built under another name, too."""
     files.write(root)

@@ -6,7 +6,7 @@ import itertools
 import os
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from shlex import quote
 
@@ -18,6 +18,7 @@ from ros2lab.diagnose.sources.package import PassedOver, SourcePackage, takes_fo
 from ros2lab.diagnose.sources.python_source import read_text
 
 _LAYOUT = ".colcon_install_layout"  # which colcon writes into each install folder
+_ASKING = frozenset((".py", ".xml", ".yaml", ".yml"))  # the endings of files that name packages
 
 
 def layout_faults(
@@ -77,11 +78,14 @@ def _renamed(root: Path, packages: Collection[SourcePackage], names: Collection[
                 yield _left_under(old, package, packages)
 
 
-def _left_under(old: str, package: SourcePackage, packages: Iterable[SourcePackage]) -> Finding:
+def _left_under(old: str, package: SourcePackage, packages: Collection[SourcePackage]) -> Finding:
     """Say that a package is installed under its old name, too, and who still asks for that one."""
     new, remove = package.name, f"rm -r build/{old} install/{old}"
+    # A package may get another name, and its module keep the old one.
+    is_module = any(name.partition(".")[0] == old for other in packages for name in other.sources)
+    imports = "" if is_module else "import |from |"
     asks = re.compile(
-        rf"(?:[Pp]ackage\w*\s*[=(]\s*|pkg\s*[=:]\s*|find-pkg-\w+ |import |from |depend>\s*)['\"]?{re.escape(old)}\b"
+        rf"(?:[Pp]ackage\w*\s*[=(]\s*|pkg\s*[=:]\s*|find-pkg-\w+ |{imports}depend>\s*)['\"]?{re.escape(old)}\b"
     )
     files = [(other, path) for other in packages for path in other.own_files() if path.suffix in _ASKING]
     places = [
@@ -97,9 +101,6 @@ def _left_under(old: str, package: SourcePackage, packages: Iterable[SourcePacka
     cause = f"{left} {places[0].partition(':')[0]} still asks for {old}, so what runs is the old build; the package is now called {new}."
     fix = f"write {new} instead of {old} in {in_a_row(places)}, build again, and {remove}"
     return Finding("launch-package", cause, places[0], fix)
-
-
-_ASKING = frozenset((".py", ".xml", ".yaml", ".yml"))  # the endings of files that name packages
 
 
 def hidden(skipped: PassedOver, copies: Sequence[str] = ()) -> Finding:
