@@ -152,3 +152,10 @@ def test_a_bare_name_that_could_not_be_started_is_a_program(
     found = of_text(said, Files.right(NAMES[0]).put("launch/crane.launch.xml", launch).write(tmp_path))[0]
     assert found.cause.startswith("There is no program ") is (place is not None)
     assert place is None or found.place.rpartition("/")[2] == place
+
+
+def test_a_command_in_one_text_is_no_program(tmp_path: Path) -> None:
+    said = "[ERROR] [ls -l-1]: exception occurred while executing process: [Errno 2] No such file or directory: 'ls -l'"
+    (found, *_) = of_text(said, Files.right(NAMES[0]).write(tmp_path))
+    assert found.cause == "There is no program 'ls -l': the whole text is taken for the name of a program."
+    assert found.fix.endswith(" one by one: ['ls', '-l']")

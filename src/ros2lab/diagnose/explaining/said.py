@@ -246,7 +246,10 @@ def _no_program(name: str, look: Look) -> Finding:
     begun = [f"{mark}{name}" for mark in ('"', "'", ": ")]
     lines = (at(file.shown, line_with(read_text(path), *begun)) for file, path in look.launches)
     cause = f"There is no program {name} on PATH: it is not installed here, or its name is misspelt."
-    fix = f"write {name.split()!r}" if " " in name else f"install {name}, fix its name, or do without it"
+    fix = f"install {name}, fix its name, or do without it"
+    if " " in name:
+        cause = f"There is no program {name!r}: the whole text is taken for the name of a program."
+        fix = f"give the program and its arguments one by one: {name.split()!r}"
     return Finding(SAID, cause, next((place for place in lines if ":" in place), ""), fix)
 
 
