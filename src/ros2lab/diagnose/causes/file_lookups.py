@@ -44,7 +44,7 @@ def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Findi
     lies = inner if package.has(inner) else next(_called(name, package), "")
     if not lies and (elsewhere := lies_elsewhere(package, inner)):
         cause = f"The package {package.name} has no file {inner}: the file lies in {elsewhere.folder}."
-        row = f"{installing(package, inner, inner)} in data_files"
+        row = f"{package.row(inner)} in data_files"
         fix = f"{elsewhere.command}, with {row}, and build again; or name the package {elsewhere.package.name} where the file is looked for"
         return Finding("data-file-missing", cause, elsewhere.shown, fix, (name,))
     if not lies:
@@ -66,7 +66,7 @@ def _not_shared(inner: str, package: SourcePackage, setup: SetupScript) -> Findi
         fix = f"write {target!r} instead of {min(folders)!r} in data_files, and build again"
         return Finding("installed-elsewhere", cause, place, fix, (name,))
     cause = f"{lies} is in the package {package.name}, but setup.py does not install it, so it is not in {target}, where the program looks."
-    row = installing(package, lies, inner)
+    row = package.row(lies, inner)
     return Finding("not-in-data-files", cause, place, f"add {row} to data_files and build again", (name,))
 
 
@@ -91,21 +91,12 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
     share = f"os.path.join(get_package_share_directory({package.name!r}), {parts})"
     cause = f"{path} is looked for in the terminal's current folder, not in the package {package.name}."
     is_installed = package.setup and any(lies in files for _, files in package.setup.data_files)
-    more = "" if is_installed else f"; and add {installing(package, lies, lies)} to data_files in setup.py"
+    more = "" if is_installed else f"; and add {package.row(lies)} to data_files in setup.py"
     text = spot_at(place, look).file.text
     needs = [line for line, known in _IMPORTS.items() if not re.search(known, text, re.MULTILINE)]
     with_them = f", with `{'; '.join(needs)}` at the top" if needs else ""
     fix = f"write {share}{with_them}{more}"
     return Finding(SAID, cause, place, fix)
-
-
-def installing(package: SourcePackage, lies: str, inner: str) -> str:
-    """Return the item of data_files that installs a file or folder as `inner` in the share folder."""
-    if (package.folder / lies).is_dir():
-        files, target = f"[str(path) for path in Path({lies!r}).iterdir()]", inner
-        return f"('share/{package.name}/{target}', {files}), with `from pathlib import Path` at the top,"
-    target = f"share/{package.name}/{PurePosixPath(inner).parent}".removesuffix("/.")
-    return f"({target!r}, [{lies!r}])"
 
 
 def _called(name: str, package: SourcePackage) -> Iterator[str]:

@@ -6,7 +6,6 @@ import ast
 import os
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
@@ -102,14 +101,10 @@ def _file_fault(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterat
     if not match or not package or file is None or (file and os.access(package.folder / file, os.X_OK)):
         return
     path, shown = match["path"], package.shown(file)
-    row = f"('{PurePosixPath('share', package.name, path).parent}', ['{path}'])"
     why = f"{shown} is not marked as executable" if file else "setup.py installs no such file"
     cause = f"The launch file starts the file {path} of {package.name}, but {why}."
-    fix = (
-        f"type `chmod +x {shown}`"
-        if file
-        else f"add {row} to data_files in setup.py, with the file in its place"
-    )
+    fix = f"add {package.row(path)} to data_files in setup.py, with the file in its place"
+    fix = f"type `chmod +x {shown}`" if file else fix
     yield Finding("launch-executable", cause, node.place, f"{fix}, and build again")
 
 
@@ -177,8 +172,7 @@ def _parameter_files(node: Launched, packages: Mapping[str, SourcePackage]) -> I
         end = ": the nodes keep their defaults."
         if elsewhere := lies_elsewhere(package, path):
             cause = f"The launch file gives the parameter file {path} of {name}, and the file lies in {elsewhere.folder}"
-            row = f"({f'share/{name}/{path}'.rpartition('/')[0]!r}, [{path!r}])"
-            fix = f"{elsewhere.command}, with {row} in data_files of setup.py, and build again"
+            fix = f"{elsewhere.command}, with {package.row(path)} in data_files of setup.py, and build again"
         elif wanted := nearest(file, there, 0.4) or (there[0] if len(there) == 1 else ""):
             end, fix = f"; there is {wanted}.", f"write {wanted} instead of {file} in the launch file"
         yield Finding("parameter-file-missing", cause + end, node.place, fix)

@@ -10,7 +10,7 @@ from configparser import RawConfigParser
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from importlib.metadata import distributions
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from shlex import quote
 
 from ros2lab.diagnose.code.bound_names import undefined_names
@@ -197,8 +197,8 @@ def _as_one(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:
         if not all(filecmp.cmp(paths[0], path, shallow=False) for path in paths[1:]):
             target, _, name = copy.rpartition("/")
             cause = f"setup.py installs {in_a_row(files)} as one file, {copy}, so only one of them is kept."
-            rows = [f"('share/{package.name}/{PurePosixPath(file).parent}', ['{file}'])" for file in files]
-            fix = f"install them into folders of their own, such as {in_a_row(rows)} in data_files, build again, and read them from there"
+            rows = in_a_row([*map(package.row, files)])
+            fix = f"install them into folders of their own, such as {rows} in data_files, build again, and read them from there"
             place = at(setup.source.shown, setup.written(target)[1])
             yield Finding("installed-elsewhere", cause, place, fix, (name,))
 

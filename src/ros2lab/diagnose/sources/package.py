@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from configparser import RawConfigParser
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ros2lab.diagnose.finding import shown_path
@@ -270,6 +270,15 @@ class SourcePackage:
         """Return the paths of its files with a name, relative to its folder, the shortest paths first."""
         paths = (path.relative_to(self.folder).as_posix() for path in self.own_files() if path.name == name)
         return sorted(paths, key=lambda path: (path.count("/"), path))
+
+    def row(self, lies: str, inner: str = "") -> str:
+        """Return the item of data_files that installs a file or folder in the share folder, there or as `inner`."""
+        if (self.folder / lies).is_dir():
+            files = f"[str(path) for path in Path({lies!r}).iterdir()]"
+            return (
+                f"('share/{self.name}/{inner or lies}', {files}), with `from pathlib import Path` at the top,"
+            )
+        return f"({str(PurePosixPath('share', self.name, inner or lies).parent)!r}, [{lies!r}])"
 
     def own_files(self) -> Iterator[Path]:
         """Yield its files, without tests, build folders, and other packages inside its folder."""
