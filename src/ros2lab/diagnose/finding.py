@@ -209,7 +209,7 @@ def merged(findings: Iterable[Finding]) -> list[Finding]:
 
 
 def _likewise(lines: Sequence[str]) -> str:
-    return f"likewise on line{'s' * (len(lines) > 1)} {in_a_row(lines)}" if lines else ""
+    return f"likewise on {these_lines(lines)}" if lines else ""
 
 
 def stops_build(finding: Finding) -> bool:
@@ -259,6 +259,11 @@ def shown_path(path: Path, root: Path | None) -> str:
 def lines_in_words(first: int, last: int) -> str:
     """Return a range of lines in words: `line 3`, or `lines 3 to 5`."""
     return f"line {first}" if first == last else f"lines {first} to {last}"
+
+
+def these_lines(lines: Sequence[int | str]) -> str:
+    """Return some lines in words: `line 3`, or `lines 3, 5 and 9`."""
+    return f"line{'s' * (len(lines) > 1)} {in_a_row([*map(str, lines)])}"
 
 
 def in_a_row(parts: Sequence[str]) -> str:

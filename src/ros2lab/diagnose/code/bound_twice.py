@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 
-from ros2lab.diagnose.finding import Finding, in_a_row
+from ros2lab.diagnose.finding import Finding, these_lines
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.bindings import Import
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -26,7 +26,7 @@ def bound_twice(sources: NodeSources) -> Iterator[Finding]:
     for source in sources.sources.values():
         alike: dict[str, dict[str, Import]] = {}
         for imported in source.imports:
-            alike.setdefault(imported.local, {})[imported.target] = imported
+            alike.setdefault(imported.local, {}).setdefault(imported.target, imported)
         for name, known in alike.items():
             if len(known) == 2 and not source.fault:
                 yield from _misused(source, name, [*known.values()], typed)
@@ -45,10 +45,10 @@ def _misused(
     modules = [imported.target.rpartition(".")[0] for imported in known]
     kind = {"msg": "Msg", "srv": "Srv"}.get(modules[1].rpartition(".")[2])
     new = f"{name}{kind}" if kind else f"{modules[1].partition('.')[0].title().replace('_', '')}{name}"
-    also = f", and {new} instead of {name} on line{'s' * (len(lines) > 1)} {in_a_row([*map(str, lines)])}"
+    also = f", and {new} instead of {name} on {these_lines(lines)}" if lines else ""
     for use in wrong:
         cause = f"{name} is imported twice: this line needs the one of {modules[0]} (line {first.line}), but line {last.line} replaces it by that of {modules[1]}."
-        fix = f"write `{name} as {new}` in the import on line {last.line}{also if lines else ''}"
+        fix = f"write `{name} as {new}` in the import on line {last.line}{also}"
         yield Finding("name-hidden", cause, source.at(use), fix)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 
 from ros2lab.diagnose.code.private_names import of_another
-from ros2lab.diagnose.finding import Finding, in_a_row
+from ros2lab.diagnose.finding import Finding, these_lines
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.node_source import is_self_attribute
@@ -53,11 +53,7 @@ def _too_early(around: ast.ClassDef, name: str, spot: Spot) -> Finding | None:
     functions = {line: getattr(spot.file.function_at(line), "name", "") for line in lines}
     reader = getattr(spot.function, "name", "")
     where = f", in {functions[lines[0]]}()" if len({*functions.values()}) == 1 else ""
-    which = (
-        f": what sets it (line{'s' * (len(lines) > 1)} {in_a_row([*map(str, lines)])}{where}) has not run yet for this object"
-        if lines
-        else ""
-    )
+    which = f": what sets it ({these_lines(lines)}{where}) has not run yet for this object" if lines else ""
     cause = f"self.{name} is used here before anything has set it{which}."
     first = next((line for line in lines if functions[line] in ("__init__", reader)), None)
     begun = "above this line" if reader == "__init__" else "in __init__"

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.finding import SAID, Finding, these_lines
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import Frame, own_frames
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
@@ -97,9 +97,7 @@ def _fix(said: str, places: Sequence[str], look: Look) -> tuple[str, str]:
                 {int(place_and_text[0].rpartition(":")[2]) for place_and_text in lines[1:]}
                 - {int(first.rpartition(":")[2])}
             )
-            more = ""
-            if others:
-                more = f"; and likewise on line{'s' * (len(others) > 1)} {', '.join(map(str, others))}"
+            more = f"; and likewise on {these_lines(others)}" if others else ""
             return f"write `{_word(old).sub(lambda _: new, text, count=1)}`{more}", first
         return f"write {new} instead of {old}", place
     hint = _SENTENCE.search(_SEE.sub("", said))

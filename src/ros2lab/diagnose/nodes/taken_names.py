@@ -10,7 +10,7 @@ from pathlib import Path
 from shlex import quote
 
 from ros2lab.diagnose.code.bound_names import global_names
-from ros2lab.diagnose.finding import Finding, at, in_a_row
+from ros2lab.diagnose.finding import Finding, at, in_a_row, these_lines
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.free_names import free_name
 from ros2lab.diagnose.sources.interfaces import fixed_node_properties, method_of, node_members
@@ -122,7 +122,7 @@ def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding | None:
         return None
     lines = sorted({n.lineno for n in own if id(n) not in methods} - {stored.lineno})
     better = free_name(owner, f"{name}_{maker.partition('_')[0] or 'value'}")
-    also = f" and on line{'s' * (len(lines) > 1)} {' and '.join(map(str, lines))}" if lines else ""
+    also = f" and on {these_lines(lines)}" if lines else ""
     cause = f"self.{name} is assigned here, which hides the method {name}()."
     fix = f"write self.{better} instead of self.{name} on this line{also}"
     return Finding("callback-missing", cause, owner.source.at(stored), fix)
@@ -141,7 +141,7 @@ def taken_attributes(owner: NodeClass) -> dict[str, tuple[str, str]]:
                     if is_self_attribute(n) and n.attr == name and n is not node
                 ]
                 lines = sorted({n.lineno for n in uses} - {node.lineno})
-                also = f" and on line{'s' * (len(lines) > 1)} {', '.join(map(str, lines))}" if lines else ""
+                also = f" and on {these_lines(lines)}" if lines else ""
                 cause = f"{name} is already a property of every node, and cannot be assigned."
                 fix = f"write self.{free_name(owner, name)} instead of self.{name} here{also}"
                 found.setdefault(name, (cause, fix))

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
-from ros2lab.diagnose.finding import Finding, in_a_row
+from ros2lab.diagnose.finding import Finding, in_a_row, these_lines
 from ros2lab.diagnose.sources.interfaces import members_of, node_members
 from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
@@ -102,7 +102,7 @@ def _never_begun(
         return Finding("never-called", cause, owner.source.at(begins[0]), fix, never=never)
     inside = in_a_row([f"{name}()" for name in makers])
     itself = " itself" if makers == callbacks and len(makers) == 1 else ""
-    number = f"line{'s' * (len(lines) > 1)} {in_a_row([*map(str, lines)])}"
+    number = these_lines(lines)
     cause = f"Nothing ever calls {shown}: the {what} that would call it is made inside {inside}{itself} ({number})."
     if len(registered) > 1:
         cause = f"Nothing ever calls {shown}: only {inside} would register them ({number})."
