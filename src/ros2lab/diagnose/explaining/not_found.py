@@ -110,13 +110,11 @@ def _unknown_package(name: str, look: Look) -> Finding:
     for passed_over in look.passed_over:
         if passed_over.package.name == name:
             return hidden(passed_over)
-    if look and (found := next(outside(look.root, name), None)):
-        return found
-    named = [f for f in look.findings if f.code == "package-name" and name in f.about]
-    if found := next(iter(named), None) or nowhere_seen(look.root, name):
-        return found
-    if look and (found := in_another_workspace(look.root, name)):
-        return found
+    if look:
+        named = (f for f in look.findings if f.code == "package-name" and name in f.about)
+        found = next(outside(look.root, name), None) or next(named, None) or nowhere_seen(look.root, name)
+        if found := found or in_another_workspace(look.root, name):
+            return found
     names = [package.name for package in look.packages]
     cause = f"ROS finds no package {name} in what this terminal has sourced.{did_you_mean(name, names)}"
     near = nearest(name, names)
