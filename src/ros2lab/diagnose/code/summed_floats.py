@@ -25,7 +25,7 @@ def summed_floats(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 wanted = sources.value(source, source.written(other))
                 if isinstance(wanted, (int, float)) and (near := _nearest(starts, step, wanted)) is not None:
                     text, value = ast.unparse(side), ast.unparse(other)
-                    cause = f"{text} is never exactly {wanted}: a float holds {abs(step)} only nearly, and its steps come to {near!r}."
+                    cause = f"{text} is never exactly {wanted}: floats hold most fractions only nearly, and its steps of {abs(step)} come to {near!r}."
                     close = f"{'' if is_equal else 'not '}math.isclose({text}, {value}, abs_tol=1e-9)"
                     more = "" if "math" in source.names else ", with `import math` at the top"
                     fix = f"compare with `{close}`{more}"

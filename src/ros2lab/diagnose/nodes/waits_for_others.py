@@ -55,13 +55,14 @@ def waits_for_another(
                 if setting and all(id(m) in uses.callbacks and m not in functions for m in setting):
                     first = setting[0]
                     cause = f"In {what}, {waiter} waits for self.{name}, which only {first.name}() changes; but rclpy calls {first.name}() only after this one returns, so once it waits, it waits forever."
-                    is_timers = (
-                        function is functions[0] and uses.callbacks.get(id(function)) == "create_timer"
-                    )
-                    fix = (
-                        f"write `if {lacks}: return` above line {node.lineno}" if lacks and is_timers else ""
-                    )
-                    yield Finding("callback-waits", cause, source.at(node), fix or where_set(name, first))
+                    fix = where_set(name, first)
+                    if (
+                        lacks
+                        and function is functions[0]
+                        and uses.callbacks.get(id(function)) == "create_timer"
+                    ):
+                        fix = f"write `if {lacks}: return` above line {node.lineno}"
+                    yield Finding("callback-waits", cause, source.at(node), fix)
 
 
 def _is_reached(functions: Sequence[Function], function: Function, call: ast.Call) -> bool:

@@ -284,7 +284,7 @@ def _dependency_faults(
 
 
 def _meant(package: SourcePackage, name: str, known: Set[str], used: Set[str]) -> str:
-    """Return the package that a declared name means, which is that of none; empty if it is not known.
+    """Return the package that is meant by a declared name that no package has; empty if it is not known.
 
     A public package that is not installed here may differ from one in the workspace by one letter: a slip it is
     only if the package uses the other one and not this one, or if the other one's name is standard and long.

@@ -219,8 +219,8 @@ def module_meant(name: str) -> str:
 def homes_around(name: str, module: str, imported: Collection[str] = ()) -> list[str]:
     """Return the modules that define a name: those around a module first, then those of Python.
 
-    Of Python's modules, one counts only if no other defines the name, or if the name begins its own. What a module is
-    asked for need not be the function that another has under that name: only the classes count of one that there is, and what is `imported`.
+    Of Python's modules, one counts only if no other defines the name, or if its own begins with the name; and where a
+    module is given, only if it is `imported`, or if the module exists and the name is that of a class.
     """
     package = module.partition(".")[0]
     near = [package, *(f"{package}.{inner}" for inner in sorted(_submodules(package)))]
