@@ -81,10 +81,10 @@ def _is_copied(root: Path, package: SourcePackage, path: Path) -> bool:
 def prefix_of(root: Path, name: str) -> Path | None:
     """Return the folder into which a package was installed; None if it was not."""
     prefixes = (root / "install" / name, root / "install")
-    return next((prefix for prefix in prefixes if _is_installed(prefix, name)), None)
+    return next((prefix for prefix in prefixes if is_installed(prefix, name)), None)
 
 
-def _is_installed(prefix: Path, name: str) -> bool:
+def is_installed(prefix: Path, name: str) -> bool:
     """Return whether ROS or Python finds the package there; a failed build leaves a share folder, too."""
     return (prefix / INDEX / name).is_file() or bool(_metadata(prefix, name))
 
@@ -323,7 +323,7 @@ def environment_faults(root: Path, names: Collection[str], environ: Mapping[str,
         own = prefix_of(root, name)
         if own is None or not (own / INDEX / name).is_file():
             continue  # ROS does not look for a package without a marker, such as a Python library
-        on_path = [p for p in prefixes if _is_installed(p, name)]
+        on_path = [p for p in prefixes if is_installed(p, name)]
         if not any(_same(prefix, own) for prefix in on_path):
             missing.append(name)
         elif not _same(on_path[0], own):

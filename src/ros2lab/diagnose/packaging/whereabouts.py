@@ -10,12 +10,13 @@ from pathlib import Path
 from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, shown_path
-from ros2lab.diagnose.packaging.installed import prefix_of, site_packages
+from ros2lab.diagnose.packaging.installed import is_installed, site_packages
 from ros2lab.diagnose.sources.python_source import read_text
 
 # colcon writes a line for each prefix, the workspace's own last.
 _CHAINED = re.compile(r'^COLCON_CURRENT_PREFIX="(?P<prefix>/[^"$]*)"$', re.M)
 _DEEPEST = 4  # folders below src
+_PUT = "put the package itself into {}, and build again"
 _PACKED = tuple(ending for _, endings, _ in shutil.get_unpack_formats() for ending in endings)
 
 
@@ -24,10 +25,9 @@ def nowhere_seen(root: Path, name: str) -> Finding | None:
     for path in _below(root / "src"):
         if path.name == name or path.name in {f"{name}{ending}" for ending in _PACKED}:
             place = shown_path(path, root)
-            cause, fix = _why_unseen(path, place)
-            return Finding(
-                "package-passed-over", f"{place} {cause}, so colcon sees no package {name}.", place, fix
-            )
+            why, fix = _why_unseen(path, place)
+            cause = f"{place} {why}, so colcon sees no package {name}."
+            return Finding("package-passed-over", cause, place, fix)
     return None
 
 
@@ -46,11 +46,8 @@ def _below(folder: Path) -> Iterator[Path]:
 def _why_unseen(path: Path, place: str) -> tuple[str, str]:
     """Return what keeps colcon from seeing a package in a file or a folder, and how to fix it."""
     if path.is_symlink() and not path.exists():
-        what = f"is a link to {path.readlink()}, which is not there"
-        return (
-            what,
-            f"rm {quote(place)}, put the package, or a link to where it is now, in its place, and build again",
-        )
+        again = "put the package, or a link to where it is now, in its place, and build again"
+        return f"is a link to {path.readlink()}, which is not there", f"rm {quote(place)}, {again}"
     if path.is_file():
         is_packed = path.name.endswith(_PACKED)
         unpack = f"unpack it into {quote(place.rpartition('/')[0])}, and build again"
@@ -60,20 +57,13 @@ def _why_unseen(path: Path, place: str) -> tuple[str, str]:
     return _why_empty(path, place)
 
 
-_PUT = "put the package itself into {}, and build again"
-
-
 def _why_empty(folder: Path, place: str) -> tuple[str, str]:
     """Return what a folder lacks to be a package, and how to fix it."""
     inside = sorted(entry.name for entry in folder.iterdir() if entry.name != ".git")
     if not inside:
         above = next((path for path in folder.parents if (path / ".gitmodules").is_file()), None)
-        return (
-            "is empty",
-            f"git -C {quote(str(above))} submodule update --init, and build again"
-            if above
-            else _PUT.format(place),
-        )
+        fetch = f"git -C {quote(str(above))} submodule update --init, and build again"
+        return "is empty", fetch if above else _PUT.format(place)
     meant = next((name for name in inside if name.lower().startswith("package.xml")), "")
     if meant == "package.xml":
         return "has another name in its package.xml", "use that name, or write this one there"
@@ -100,23 +90,15 @@ def in_another_workspace(root: Path, name: str) -> Finding | None:
         return Finding("not-sourced", cause, "", fix)
     beside = (folder / "install" for folder in sorted(root.parent.glob("*")) if folder != root)
     if home := next((prefix for prefix in beside if _holds(prefix, name)), None):
-        cause = (
-            f"{name} is in another workspace, {home.parent}, which was not sourced when this one was built."
-        )
+        where = f"another workspace, {home.parent}, which this terminal has not sourced"
         fix = f"source {quote(f'{home}/setup.bash')}, run colcon build here, and source {setup}"
-        return Finding("not-sourced", cause, "", fix)
+        return Finding("not-sourced", f"{name} is in {where}.", "", fix)
     return None
 
 
 def _holds(prefix: Path, name: str) -> bool:
     """Return whether a package or a Python module is installed below a prefix."""
-    if prefix_of(prefix.parent, name) if prefix.name == "install" else prefix_of(prefix, name):
-        return True
     homes = [prefix, *(folder for folder in prefix.glob("*") if folder.is_dir())]
-    found = (
-        folder / f"{name}{ending}"
-        for home in homes
-        for folder in site_packages(home)
-        for ending in ("", ".py")
-    )
-    return any(path.exists() for path in found)
+    folders = [folder for home in homes for folder in site_packages(home)]
+    is_module = any((folder / end).exists() for folder in folders for end in (name, f"{name}.py"))
+    return is_module or is_installed(prefix, name) or is_installed(prefix / name, name)
