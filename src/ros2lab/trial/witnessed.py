@@ -174,12 +174,11 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
         change = _made_alike(*sides) if is_equal else ""
         above = min(at for at, compared_text in _compared(source) if compared_text == left)
         fix = f"check what {left} should be there"
+        if near:
+            close = f"`math.isclose({left}, {right}, abs_tol=1e-9)`"
+            fix = f"compare with {close}: floats are rarely exactly equal"
         if change:
             fix = f"write `{left} = {left}{change}` above line {above}"
-        elif near:
-            fix = (
-                f"compare with `math.isclose({left}, {right}, abs_tol=1e-9)`: floats are rarely exactly equal"
-            )
         how = "near" if change or near else "changed" if has_changed else ""
         finding = Finding("never-equal", cause, source.at(line), fix)
         found.append((not is_equal, source.shown, line, finding, how))

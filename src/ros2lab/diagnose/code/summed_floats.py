@@ -41,15 +41,12 @@ def _summed(
     attr = getattr(name, "attr", "")
     if any(getattr(n, "attr", "") == attr != "" and ast.unparse(n) != text for n in stores):
         return [], 0
+    around = source.function_at(name.lineno)
     for store in (n for n in stores if isinstance(n, type(name)) and ast.unparse(n) == text):
-        around = source.above(store)
-        if isinstance(name, ast.Name) and source.function_at(store.lineno) is not source.function_at(
-            name.lineno
-        ):
-            return [], 0
-        number, factor = _given(around, text)
+        number, factor = _given(source.above(store), text)
         value = sources.value(source, source.written(number))
-        if not isinstance(value, (int, float)):
+        is_here = attr or source.function_at(store.lineno) is around
+        if not is_here or not isinstance(value, (int, float)):
             return [], 0
         values += [] if factor else [value]
         steps |= {factor * value} if factor else set()

@@ -126,22 +126,22 @@ def of_earlier(error: ErrorText, look: Look) -> Finding | None:
     """
     frames = {place_of([frame], look): frame for frame in error.own if look}
     stale = [finding.about for finding in look.findings if finding.code == "install-stale"] if frames else []
-    prefixes = ((package, prefix_of(look.root, package.name)) for package in look.packages if stale)
     pairs = (
-        (package, pair) for package, prefix in prefixes if prefix for pair in changed_sources(prefix, package)
+        (package, source, copy)
+        for package in look.packages
+        if stale and (prefix := prefix_of(look.root, package.name))
+        for source, copy in changed_sources(prefix, package)
+        if any(Path(source.shown).name in names for names in stale)
     )
-    for (package, (source, copy)), (place, frame) in itertools.product(pairs, frames.items()):
-        if not any(Path(source.shown).name in names for names in stale):
-            continue
+    message = error.report.message if error.report else ""
+    for (package, source, copy), (place, frame) in itertools.product(pairs, frames.items()):
         cause = f"{source.shown} has changed since the last build, and the error comes from the older build."
         fix = f"colcon build --packages-select {package.name}, then run the same command again"
         if source.shown == place.rpartition(":")[0] and "/install/" in frame.file:
             if frame.text and frame.text not in map(str.strip, source.text.splitlines()):
                 cause = f"{cause.rstrip('.')}: `{frame.text}` is no longer in it."
             return Finding("install-stale", cause, place, fix)
-        if _defines_now(
-            source, copy, spot_at(place, look).file, error.report.message if error.report else ""
-        ):
+        if _defines_now(source, copy, spot_at(place, look).file, message):
             return Finding("install-stale", cause, source.shown, fix)
     return None
 

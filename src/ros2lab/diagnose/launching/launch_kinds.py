@@ -47,19 +47,19 @@ def kind_faults(source: PythonSource) -> Iterator[Finding]:
 def _texts_for_actions(source: PythonSource) -> Iterator[Finding]:
     """Yield texts in lists of actions, often code that was put out of use by quotes."""
     for call in calls_of_launch(source):
-        given = [
-            v
-            for n, v in named_arguments(source, call)
-            if "LaunchDescriptionEntity]" in _type(source, call, n)
-        ]
-        for item in (item for value in given for item in getattr(source.written(value), "elts", ())):
-            text = source.written(item)
+        given = [value for name, value in named_arguments(source, call) if _takes_actions(source, call, name)]
+        items = (item for value in given for item in getattr(source.written(value), "elts", ()))
+        for text in map(source.written, items):
             if isinstance(text, ast.JoinedStr) or isinstance(getattr(text, "value", None), str):
                 last = text.end_lineno or text.lineno
                 what = lines_in_words(text.lineno, last) if last > text.lineno else ast.unparse(text)
                 cause = f"{ast.unparse(call.func)} takes actions, such as Node(...), but a text is among them, so launch stops."
                 fix = f"remove {what}; code that is to be left out is marked with # instead of quotes"
                 yield Finding("launch-argument", cause, source.at(text), fix)
+
+
+def _takes_actions(source: PythonSource, call: ast.Call, name: str) -> bool:
+    return "LaunchDescriptionEntity]" in _type(source, call, name)
 
 
 def _included_kinds(source: PythonSource) -> Iterator[Finding]:

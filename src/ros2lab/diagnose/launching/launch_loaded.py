@@ -145,9 +145,9 @@ def _joined(
         return replace(file, lacks=tuple(_lacking(path, file, told, packages)))
     source = read_source(path, path.stem, file.shown)
     paths = [other for package in packages for other in package.launch_files]
-    if (told["error"] or told["faults"]) and file.faults:
-        return file  # its text says why
     if told["error"] or told["faults"]:
+        if file.faults:
+            return file  # its text says why
         refusal = (told["error"] or {}).get("message", "")
         lost = lost_argument(refusal, path, source, paths)
         faults = tuple(_refusals(path, file, told, packages) if lost is None else lost)

@@ -46,25 +46,17 @@ def _never_spun(entrance: Entrance, added: Call) -> Iterator[Finding]:
     is_own = len(kinds) == 1 and kinds[0].startswith("rclpy.executors.")
     if not is_own or any("spin" in last_name(n) or not isinstance(n, ast.Attribute) for n in around):
         return
-    for spin in entrance.spins:
-        if (
-            spin.name != "rclpy.spin"
-            or spin.function is not added.function
-            or not _has_no_executor(spin.call)
-        ):
-            continue
-        text, line = ast.unparse(spin.call), f"line {added.call.lineno}"
-        if _node(spin) not in _nodes(added):
-            cause = (
-                f"Nothing spins {executor}, to which {line} adds {node}: `{text}` spins only {_node(spin)}."
-            )
+    plain = [spin for spin in entrance.spins if spin.name == "rclpy.spin" and _has_no_executor(spin.call)]
+    for spin in (spin for spin in plain if spin.function is added.function):
+        text, to_it = ast.unparse(spin.call), f"{executor}, to which line {added.call.lineno} adds {node}"
+        cause = f"`{text}` does not use {to_it}: it spins with rclpy's own executor, in one thread, so a callback that waits for another one waits forever."
+        fix = f"write `{executor}.spin()` instead of `{text}`"
+        if is_other := _node(spin) not in _nodes(added):
+            cause = f"Nothing spins {to_it}: `{text}` spins only {_node(spin)}."
             fix = f"write `{executor}.add_node({_node(spin)})` and `{executor}.spin()` instead of `{text}`"
-        elif kinds[0].endswith(".SingleThreadedExecutor"):
-            continue  # rclpy's own does the same
-        else:
-            cause = f"`{text}` does not use {executor}, to which {line} adds {node}: it spins with rclpy's own executor, in one thread, so a callback that waits for another one waits forever."
-            fix = f"write `{executor}.spin()` instead of `{text}`"
-        yield Finding("not-spinning", cause, source.at(spin.call), fix)
+        # rclpy's own executor does the same as one with a single thread.
+        if is_other or not kinds[0].endswith(".SingleThreadedExecutor"):
+            yield Finding("not-spinning", cause, source.at(spin.call), fix)
 
 
 def several_threads(entrance: Entrance) -> Iterator[Finding]:

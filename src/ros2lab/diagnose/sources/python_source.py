@@ -130,14 +130,11 @@ class PythonSource:
         while (scope := self.above(inner)) is not None:
             # Decorators, defaults, annotations and bases are evaluated in the scope around.
             is_inside = isinstance(inner, ast.stmt) or inner is getattr(scope, "body", None)
-            if (
-                is_inside
-                and isinstance(scope, _SCOPES)
-                and not (is_later and isinstance(scope, ast.ClassDef))
-            ):
+            is_class = isinstance(scope, ast.ClassDef)  # whose names its methods do not see
+            if is_inside and isinstance(scope, _SCOPES) and not (is_later and is_class):
                 if bound := _bound(scope).get(name.id):
                     return scope, bound, not is_later
-                is_later |= not isinstance(scope, ast.ClassDef)
+                is_later |= not is_class
             inner = scope
         return None, (), False
 

@@ -114,9 +114,8 @@ def signature_of(source: PythonSource, call: ast.Call) -> Signature | None:
             return signature_by_name(f"{_NODE}.{method}")
     found = signature_by_name(name) if name and "." in name and not name.startswith(source.name) else None
     is_of_class = str(name).rpartition(".")[0].rpartition(".")[2][:1].isupper()
-    if (
-        found and is_of_class and call.args and ast.unparse(call.args[0]) == "self"
-    ):  # as in Node.create_timer(self, ...)
+    # As in Node.create_timer(self, ...).
+    if found and is_of_class and [*map(ast.unparse, call.args[:1])] == ["self"]:
         return replace(found, parameters=(Parameter("self", "", "", is_positional=True), *found.parameters))
     return found
 
