@@ -40,7 +40,8 @@ def launches_left(package: SourcePackage) -> Iterator[Finding]:
     may_take = re.search(r"\b(?:include|add_subdirectory|foreach|function|macro)\s*\(", text, re.IGNORECASE)
     words = {*re.findall(r"[\w.-]+", text)}
     is_named = any(part in words for path in paths for part in path.parts)
-    if not files or may_take or is_named or _installs_by_folder(text, files, package):
+    is_of_ament = "ament_package" in words
+    if not files or not is_of_ament or may_take or is_named or _installs_by_folder(text, files, package):
         return
     folders = {path.parts[0] for path in paths}
     asked = {name for path in files for name in re.findall(r"(?<=['\"/])\w+(?=['\"/])", read_text(path))}
