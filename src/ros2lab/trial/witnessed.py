@@ -14,6 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from ros2lab.diagnose.code.summed_floats import compared_nearly
 from ros2lab.diagnose.finding import Finding, fails_there
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import spot_at
@@ -173,10 +174,7 @@ def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Fin
         cause = f"During the run, `{ast.unparse(node)}` was never true in {failed} checks; at {'one of them' if near else 'the last one'}, {last}."
         change = _made_alike(*sides) if is_equal else ""
         above = min(at for at, compared_text in _compared(source) if compared_text == left)
-        fix = f"check what {left} should be there"
-        if near:
-            close = f"`math.isclose({left}, {right}, abs_tol=1e-9)`"
-            fix = f"compare with {close}: floats are rarely exactly equal"
+        fix = compared_nearly(source, left, right) if near else f"check what {left} should be there"
         if change:
             fix = f"write `{left} = {left}{change}` above line {above}"
         how = "near" if change or near else "changed" if has_changed else ""

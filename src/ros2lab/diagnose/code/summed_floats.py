@@ -26,10 +26,14 @@ def summed_floats(sources: NodeSources, source: PythonSource) -> Iterator[Findin
                 if isinstance(wanted, (int, float)) and (near := _nearest(starts, step, wanted)) is not None:
                     text, value = ast.unparse(side), ast.unparse(other)
                     cause = f"{text} is never exactly {wanted}: floats hold most fractions only nearly, and its steps of {abs(step)} come to {near!r}."
-                    close = f"{'' if is_equal else 'not '}math.isclose({text}, {value}, abs_tol=1e-9)"
-                    more = "" if "math" in source.names else ", with `import math` at the top"
-                    fix = f"compare with `{close}`{more}"
+                    fix = compared_nearly(source, text, value, is_equal=is_equal)
                     yield Finding("never-equal", cause, source.at(node), fix)
+
+
+def compared_nearly(source: PythonSource, left: str, right: str, *, is_equal: bool = True) -> str:
+    """Say how to compare two floats that are rarely exactly equal."""
+    more = "" if "math" in source.names else ", with `import math` at the top"
+    return f"compare with `{'' if is_equal else 'not '}math.isclose({left}, {right}, abs_tol=1e-9)`{more}"
 
 
 def _summed(
