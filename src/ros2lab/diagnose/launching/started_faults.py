@@ -252,19 +252,19 @@ def sections_apart(started: Sequence[tuple[LaunchFile, list[Started]]]) -> Itera
 
     A parameter file is one for all starts of all launch files, so each section is told once.
     """
-    given: dict[tuple[str, str], list[tuple[str, Started]]] = {}
+    given: dict[tuple[str, str], dict[str, list[Started]]] = {}
     for file, nodes in started:
         for node in nodes:
             for package, path in node.launched.files:
                 if package == node.package.name:
-                    given.setdefault((package, path), []).append((file.shown, node))
+                    given.setdefault((package, path), {}).setdefault(file.shown, []).append(node)
     for (_, path), starts in given.items():
-        home = starts[0][1].package
+        everyone = [*itertools.chain.from_iterable(starts.values())]
+        home = everyone[0].package
         text = read_text(home.folder / path)
         keys = [key for key, _ in sections_in(text)]
         lost: dict[str, dict[str, tuple[str, Started]]] = {}
-        for shown in dict.fromkeys(shown for shown, _ in starts):
-            takers = [node for other, node in starts if other == shown]
+        for shown, takers in starts.items():
             for key, node in _lost(keys, takers):
                 lost.setdefault(key, {}).setdefault(node.runs_as, (shown, node))
         for key, those in lost.items():
@@ -274,7 +274,7 @@ def sections_apart(started: Sequence[tuple[LaunchFile, list[Started]]]) -> Itera
                 f"{home.shown(path)} sets parameters for {key}, but {node.launched.executable} is started as "
                 f"{' and '.join(those)} ({files}), so it silently keeps its defaults."
             )
-            every = {*those, *(node.runs_as for _, node in starts if is_for(key, node.runs_as))}
+            every = {*those, *(node.runs_as for node in everyone if is_for(key, node.runs_as))}
             place = at(home.shown(path), line_of(key, text))
             yield Finding("parameter-file-node", cause, place, _section_for(sorted(every), key))
 
