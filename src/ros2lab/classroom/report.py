@@ -136,7 +136,7 @@ def page(
         lost: by criterion.
         alike: pairs that are alike.
         common: the keys of those of whose code too little is left to be compared, without what many have.
-        shared: pieces of that.
+        shared: pieces of what many have.
     """
     script = resources.files(__package__).joinpath("class.js").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()

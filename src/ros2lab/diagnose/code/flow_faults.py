@@ -186,10 +186,9 @@ def _one_turn(source: PythonSource, loop: ast.For | ast.While) -> Iterator[Findi
     inside = own_nodes(loop)
     if not ends or loop.orelse or any(isinstance(n, (ast.Continue, *YIELDS)) for n in inside):
         return
-    is_decided = len(ends) > 1 and (
-        isinstance(loop, ast.For) or not any(isinstance(n, ast.Break) for n in ends)
-    )
-    is_gathered = isinstance(loop, ast.For) and any(isinstance(n, ast.AugAssign) for n in loop.body)
+    is_for, is_left = isinstance(loop, ast.For), any(isinstance(n, ast.Break) for n in ends)
+    is_decided = len(ends) > 1 and (is_for or not is_left)
+    is_gathered = is_for and any(isinstance(n, ast.AugAssign) for n in loop.body)
     if is_decided or is_gathered:
         over = f"over {ast.unparse(loop.iter)} " if isinstance(loop, ast.For) else ""
         lines = in_a_row([str(line) for line in sorted({end.lineno for end in ends})])
