@@ -71,6 +71,12 @@ def test_what_bears_the_name_is_told_with_what_it_lacks(
     assert found.fix.startswith(fix) or fix in found.fix
 
 
+@pytest.mark.parametrize("name", ["config", "launch", "talker.py"])
+def test_what_is_inside_a_package_is_none(root: Path, name: str) -> None:
+    (found, *_) = of_text(f"$ ros2 run {name} talker\nPackage '{name}' not found", root)
+    assert found.code == "package-not-found"
+
+
 @pytest.mark.parametrize(("program", "is_meant"), [("talker", True), ("talkr", True), ("shutter", False)])
 def test_a_package_with_a_similar_name_is_meant_if_it_has_the_program(
     root: Path, program: str, is_meant: bool
