@@ -66,8 +66,10 @@ def test_one_that_takes_the_name_of_its_callback(tmp_path: Path) -> None:
         "self.create_timer(1.0, self.say)",
     ],
 )
-def test_an_attribute_that_replaces_a_method_on_purpose(tmp_path: Path, made: str) -> None:
-    files = Files.right(NAME).change("node", "self.count = 0", f"self.count = 0\n        self.say = {made}")
+@pytest.mark.parametrize("kind", ["", ": object"])
+def test_an_attribute_that_replaces_a_method_on_purpose(tmp_path: Path, made: str, kind: str) -> None:
+    line = f"self.say{kind} = {made}"
+    files = Files.right(NAME).change("node", "self.count = 0", f"self.count = 0\n        {line}")
     files.change("node", "import rclpy\n", "from functools import partial\nimport rclpy\n")
     files.change(
         "node", "    def CALLBACK(", "    def say(self, *text):\n        print(*text)\n\n    def CALLBACK("

@@ -16,7 +16,7 @@ from ros2lab.diagnose.sources.free_names import free_name
 from ros2lab.diagnose.sources.interfaces import fixed_node_properties, method_of, node_members
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import Function, given_to, last_name, walk
+from ros2lab.diagnose.sources.python_source import Function, assignments, given_to, last_name, walk
 from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by
 
 _VALUES = (ast.Constant, ast.JoinedStr, ast.List, ast.Tuple, ast.Dict, ast.Set, ast.Compare, ast.BinOp)
@@ -106,8 +106,7 @@ def hidden_method(owner: NodeClass, stored: ast.Attribute) -> Finding | None:
     """
     name, inner = stored.attr, [*walk(owner.definition)]
     own = [n for n in inner if is_self_attribute(n) and n.attr == name]
-    assigned = [n for n in inner if isinstance(n, ast.Assign) and stored in n.targets]
-    made = assigned[0].value if assigned else ast.Constant(None)
+    made = next((value for target, value in assignments(inner) if target is stored), ast.Constant(None))
     maker = last_name(getattr(made, "func", None)).partition("create_")[2]
     if not (isinstance(made, _VALUES) or maker):
         return None
