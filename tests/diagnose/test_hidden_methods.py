@@ -111,3 +111,30 @@ def test_a_method_that_calls_itself_and_overrides_none(tmp_path: Path) -> None:
     line = path.read_text().partition("self.more")[0].count("\n") + 1
     said = f'Traceback (most recent call last):\n  File "{path}", line {line}, in more\n    self.more()\nRecursionError: maximum recursion depth exceeded\n'
     assert "super()" not in of_text(said, root)[0].fix
+
+
+@pytest.mark.parametrize(
+    ("methods", "calls", "begin"),
+    [
+        ("destroy_node(self):\n        print('off')\n        self.destroy_node()", "self.destroy_node()", "write super().destroy_node()"),
+        ("get_logger(self):\n        print('off')\n        return self.get_logger()", "return self.get_logger()", "write super().get_logger()"),
+        ("get_clock(self, *more):\n        print('off')\n        return self.get_clock(*more)", "return self.get_clock(*more)", "write super().get_clock(*more)"),
+        ("more(self):\n        print('off')\n        self.less()\n\n    def less(self):\n        self.more()", "self.less();self.more()", "call another function"),
+    ],
+)  # fmt: skip
+def test_where_calls_without_end_stop_at_last_is_no_cause(
+    tmp_path: Path, methods: str, calls: str, begin: str
+) -> None:
+    files = Files.right(NAME).change("node", "    def CALLBACK(", f"    def {methods}\n\n    def CALLBACK(")
+    root = files.write(tmp_path)
+    path = next(path for path in root.rglob(f"{NAME.module}.py") if "print('off')" in path.read_text())
+    rows = [line.strip() for line in path.read_text().splitlines()]
+    frames = [
+        f'  File "{path}", line {rows.index(call) + 1}, in it\n    {call}\n' for call in calls.split(";")
+    ]
+    off = "print('off')"
+    last = f'  File "{path}", line {rows.index(off) + 1}, in it\n    {off}\n'
+    said = f'Traceback (most recent call last):\n{"".join(frames * 3)}{last}  File "/usr/lib/python3.12/codecs.py", line 3, in it\n    look()\nRecursionError: maximum recursion depth exceeded\n'
+    (found,) = of_text(said, root)
+    assert found.place.endswith(f":{rows.index(calls.rsplit(';', maxsplit=1)[-1]) + 1}")
+    assert found.fix.startswith(begin)

@@ -170,8 +170,8 @@ def _without_end(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     ):
         cause = f"{function.name}() overrides the method of {whose}, and here it calls itself, endlessly."
         return cause, f"write super(){ast.unparse(call).removeprefix('self')} instead of {ast.unparse(call)}"
-    cause = f"A function calls itself endlessly: `{spot.text}`."
-    return cause, "call another function there, or rename the method so that it differs from the one it calls"
+    cause = f"`{spot.text}` leads back to itself, endlessly."
+    return cause, "call another function there, or end the calls with a condition that comes true"
 
 
 def _own_call(spot: Spot, function: Function) -> ast.Call | None:

@@ -21,7 +21,7 @@ def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
     """Say that the failing method hides a method of Node that rclpy calls itself; None if it does not."""
     frames = error.report.frames if error.report else ()
     own = own_frames(frames)
-    if len(own) < 2 or frames.index(own[0]) - frames.index(own[1]) < 2:  # they call each other directly
+    if len(own) < 2 or frames[max(0, frames.index(own[0]) - 1)] in own:  # they call each other directly
         return None
     spot = spot_of(error.report, look)
     name = spot.function.name if spot.function else ""

@@ -279,8 +279,15 @@ def _reports(lines: Sequence[str]) -> Iterator[tuple[int, ErrorReport]]:
             kind = exception["kind"].rpartition(".")[2]
             message = _whole_message(exception["message"] or "", lines[number + 1 :])
             frames = frames or _named_places(message, lines[number + 1 : number + 4] if is_pytests else ())
-            yield number + 1, ErrorReport(kind, message, tuple(frames))
+            yield number + 1, ErrorReport(kind, message, tuple(_up_to_repeated(frames, kind)))
             frames, is_traceback = [], False
+
+
+def _up_to_repeated(frames: list[Frame], kind: str) -> list[Frame]:
+    """Return the frames up to the last call that leads back to itself: what it reached at last is no cause."""
+    own = own_frames(frames) if kind == "RecursionError" else []
+    again = next((frame for frame in own if own.count(frame) > 1), None)
+    return frames[: len(frames) - frames[::-1].index(again)] if again else frames
 
 
 def _frame(line: str, below: Sequence[str], package: str, before: Sequence[Frame]) -> Frame | None:
