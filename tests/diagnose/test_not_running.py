@@ -99,3 +99,29 @@ def test_a_line_above_the_initialization(tmp_path: Path) -> None:
     cause, fix = told(tmp_path, main, "executor = rclpy", said)
     assert "init" in cause
     assert "rclpy.init" in fix or "line 18" in fix
+
+
+GONE = "rclpy._rclpy_pybind11.InvalidHandle: cannot use Destroyable because destruction was requested"
+MORE = "self.create_timer(1.0, self.tick)\n\n    def heard(self, msg):\n        "
+USED = "self.publisher.publish(String(data='well'))"
+
+
+@pytest.mark.parametrize(
+    ("more", "main", "wrong", "said"),
+    [
+        ("self.destroy_publisher(self.publisher)", SPIN, USED, ("uses self.publisher, which line 13 has", "write `self.publisher = None` below line 13, `if self.publisher is not None:` above line 16")),
+        ("self.publisher.destroy()", SPIN, USED, ("uses self.publisher, which line 13 has", "write `self.publisher = None`")),
+        ("super().destroy_node()", SPIN, USED, ("uses the node, which line 13 has", "remove line 13, and destroy")),
+        ("self.destroy_timer(self.timer)\n\n    def again(self):\n        self.timer.reset()", SPIN, "self.timer.reset()", ("uses self.timer, which line 13 has", "write self.timer.cancel() instead of self.destroy_timer(self.timer)")),
+        ("pass", f"{SPIN}node.destroy_node()\nnode.tick()", "node.tick()", ("uses the node, which line 22 has", "destroy it later: move line 22 below line 23")),
+        ("pass", f"{SPIN}rclpy.spin(node)\nnode.destroy_node()", USED, ("uses something that", "use it only before")),
+        ("pass\n\n\nclass B(Node):\n    def stop(self):\n        self.destroy_publisher(self.publisher)", SPIN, "self.publisher = ", ("uses something that", "use it only before")),
+        ("self.destroy_publisher(self.publisher)\n        self.publisher.destroy()", SPIN, USED, ("uses something that", "use it only before")),
+    ],
+)  # fmt: skip
+def test_what_was_destroyed_and_where(
+    tmp_path: Path, more: str, main: str, wrong: str, said: tuple[str, str]
+) -> None:
+    cause, fix = told(tmp_path, main.strip(), wrong, GONE, MORE + more)
+    assert said[0] in cause
+    assert fix.startswith(said[1])

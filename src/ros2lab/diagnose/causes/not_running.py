@@ -1,14 +1,14 @@
-"""A line that needs rclpy while it is not running: before init(), after shutdown(), or after Ctrl-C."""
+"""A line that needs rclpy while it is not running, before init(), after shutdown() or Ctrl-C, or what was destroyed."""
 
 from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot
-from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.python_source import last_name, own_nodes
 
 _ENDS = ("shutdown", "try_shutdown")
 
@@ -49,6 +49,41 @@ def not_running(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         if "rclpy.ok()" not in test:
             return f"{what}, but the loop goes on.", f"write `while {ok}:` on line {loop.lineno}"
     return f"{what}.", _with_own_signals(spot, max(anywhere))
+
+
+def destroyed(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of a line that uses what was destroyed: where, if one line of the file shows it."""
+    used = {ast.unparse(node) for node in spot.whole if isinstance(node, (ast.Name, ast.Attribute))}
+    found = [(call, what) for call, what in _destructions(spot) if what in used]
+    if len(found) != 1:
+        text = f"`{spot.text}`" if spot.text else "This program"
+        return f"{text} uses something that has already been destroyed.", "use it only before it is destroyed"
+    ((call, what),) = found
+    line, is_node = call.lineno, last_name(call.func) == "destroy_node"
+    cause = f"`{spot.text}` uses {'the node' if is_node else what}, which line {line} has already destroyed."
+    if spot.file.function_at(line) is spot.function:
+        return cause, f"destroy it later: move line {line} below line {spot.line}"
+    if is_node:
+        return cause, f"remove line {line}, and destroy the node in main, after rclpy.spin()"
+    if last_name(call.func) == "destroy_timer":
+        return cause, f"write {what}.cancel() instead of {ast.unparse(call)}: reset() starts it again"
+    fix = f"write `{what} = None` below line {line}, `if {what} is not None:` above line {spot.line}, and indent what is below it"
+    return cause, fix
+
+
+def _destructions(spot: Spot) -> Iterator[tuple[ast.Call, str]]:
+    """Yield each call that may have destroyed something before a line is reached, with what it destroys."""
+    file, function, around = spot.file, spot.function, spot.file.class_at(spot.line)
+    for call in file.calls:
+        is_here = file.function_at(call.lineno) is function
+        if not isinstance(call.func, ast.Attribute) or (is_here and call.lineno >= spot.line):
+            continue
+        name = call.func.attr
+        given = call.func.value if name in ("destroy", "destroy_node") else next(iter(call.args), None)
+        what = ast.unparse(given).replace("super()", "self") if given and name.startswith("destroy") else ""
+        is_same = file.class_at(call.lineno) is around if what.startswith("self") else is_here
+        if what and is_same:
+            yield call, what
 
 
 def _with_own_signals(spot: Spot, line: int) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from ros2lab.diagnose.causes import python_values
 from ros2lab.diagnose.causes.elements import beyond, no_key, subscripted
 from ros2lab.diagnose.causes.guards import head
-from ros2lab.diagnose.causes.not_running import not_running
+from ros2lab.diagnose.causes.not_running import destroyed, not_running
 from ros2lab.diagnose.checking.operands import held_in
 from ros2lab.diagnose.code.hidden_names import fix_of, known_names
 from ros2lab.diagnose.finding import SAID, Finding
@@ -264,11 +264,7 @@ _SAYINGS: tuple[_Saying, ...] = (
         "The class {kind} itself has no {name}.",
         "make an instance first, {kind}(), or fix the spelling of {name}",
     ),
-    (
-        r"InvalidHandle|destruction was requested|cannot use Destroyable",
-        "`{text}` uses part of a node that has already been destroyed.",
-        "call destroy_node() and shutdown() as the last lines of main, after spin",
-    ),
+    (r"InvalidHandle|destruction was requested|cannot use Destroyable", destroyed),
     (r"context is not valid|rcl_shutdown\(\) was called|context is invalid|NotInitialized", not_running),
     (
         r"ParameterAlreadyDeclaredException.*?\['?(?P<name>[\w.]+)",
