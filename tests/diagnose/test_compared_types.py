@@ -147,3 +147,29 @@ def test_a_function_is_no_condition(tmp_path: Path, condition: str, fix: str) ->
     assert [one.fix.partition(" instead of")[0] for one in found] == [fix.partition(" instead of")[0]] * bool(
         fix
     )
+
+
+@pytest.mark.parametrize(
+    ("lines", "fix"),
+    [
+        ("msg.data.strip()", "write msg.data = msg.data.strip()"),
+        ("word = msg.data\n        word.strip().lower()", "write word = word.strip().lower()"),
+        ("words = msg.data.split()\n        words[0].removeprefix('a')", "use what it returns"),
+        ("for word in msg.data.split():\n            word.replace('a', 'b')", "write word = word.replace('a', 'b')"),
+        ("text = f'{msg}'\n        text.zfill(3)", "write text = text.zfill(3)"),
+        ("self.get_name().upper()", "use what it returns"),
+        ("msg.data.encode()", ""),
+        ("msg.data.index('a')", ""),
+        ("try:\n            msg.data.format(1)\n        except IndexError:\n            pass", ""),
+        ("words = [msg.data]\n        words.index('a')", ""),
+        ("self.title = print\n        self.title()", ""),
+        ("path = __import__('pathlib').Path('a')\n        path.replace('b')", ""),
+    ],
+)  # fmt: skip
+def test_a_string_that_is_made_and_not_used(tmp_path: Path, lines: str, fix: str) -> None:
+    files = right_workspace().change(
+        "listener", "if msg.data == 'start'", f"{lines}\n        if msg.data == 'start'"
+    )
+    found = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "no-effect"]
+    assert len(found) == bool(fix)
+    assert all(one.startswith(fix) for one in found)

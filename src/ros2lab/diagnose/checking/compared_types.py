@@ -1,4 +1,4 @@
-"""Finds comparisons and conditions that the types on their sides decide, as the type checker tells these."""
+"""Finds comparisons, conditions and lost texts that the types of their sides decide, as the type checker tells these."""
 
 from __future__ import annotations
 
@@ -12,13 +12,15 @@ import yaml
 from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.checking.doubts import contradicted, is_asked_for, is_contradicted, is_of_several
 from ros2lab.diagnose.checking.edits import Edit, all_applied, copied, revealing
-from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, kinds_in, message_annotations
-from ros2lab.diagnose.code.idle_statements import properties
+from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, kinds_in, message_annotations, revealed_by
+from ros2lab.diagnose.code.idle_statements import properties, tried_statements
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name
+from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import equal_sides
 
 _FUNCTION = re.compile(r"(?:def|bound method|<method-wrapper|<wrapper-descriptor) .*|Overload\[.*\]")
@@ -41,10 +43,12 @@ _NUMBER = re.compile(r"\s*[-+]?\d+(\.\d+)?\s*")
 
 @dataclass(frozen=True)
 class _Compared:
-    """A side of a comparison, and the constants with which it is compared, all of one kind; none for a condition.
+    """A side of a comparison, and the constants with which it is compared, all of one kind.
+
+    There are none for a condition, which is its own side, and for a call whose result is lost.
 
     Attributes:
-        side: the side that is not a constant.
+        side: the side that is not a constant; of a call, what stands before the method.
         is_equal: whether the operator is == or in, and not != or not in.
     """
 
@@ -69,8 +73,8 @@ def compared_types(look: Look, known: Collection[str]) -> Iterator[Finding]:
 
 
 def _comparisons(source: PythonSource) -> list[_Compared]:
-    """Return the comparisons with constants and the bare conditions, in the order of the file."""
-    found = [*_compared(source), *_conditions(source)]
+    """Return the comparisons with constants, the bare conditions and the lost results, in the order of the file."""
+    found = [*_compared(source), *_conditions(source), *_lost(source)]
     return sorted(found, key=lambda comparison: (comparison.side.lineno, comparison.side.col_offset))
 
 
@@ -101,6 +105,17 @@ def _conditions(source: PythonSource) -> Iterator[_Compared]:
                 yield _Compared(test, test, (), is_equal=True)
 
 
+def _lost(source: PythonSource) -> Iterator[_Compared]:
+    """Yield the calls of methods that a string has, too, whose result is not used."""
+    tried = tried_statements(source)
+    for node in source.nodes:
+        match node:
+            case ast.Expr(value=ast.Call(func=ast.Attribute(value=side, attr=name)) as call) if (
+                id(node) not in tried and hasattr(str, name) and not isinstance(side, ast.Constant)
+            ):
+                yield _Compared(call, side, (), is_equal=True)
+
+
 def _kinds(source: PythonSource, sources: NodeSources, look: Look) -> list[str]:
     """Return the types of the sides as the type checker writes them, in file order; empty if unknown."""
     edits = [*message_annotations(source, look), *parameter_casts(source, sources)]  # none inside another
@@ -125,7 +140,9 @@ def _told(
         parts = kind.replace("*", "").split(" | ") if is_of_several(kind) else [kind.replace("*", "")]
         families, text = {_family(part, own) for part in parts}, ast.unparse(comparison.side)
         if not comparison.constants:
-            if families == {"a function"} and last_name(comparison.side) not in stored:
+            if isinstance(comparison.node, ast.Call):
+                yield from _new_text(source, comparison.node) if families == {"a string"} else ()
+            elif families == {"a function"} and last_name(comparison.side) not in stored:
                 cause = f"`{text}` only names a function: without parentheses it is not called, and as a condition it is always true."
                 fix = f"write {_call(source, comparison.side, look)} instead of {text}"
                 yield Finding("no-effect", cause, source.at(comparison.side), fix)
@@ -140,6 +157,24 @@ def _told(
             f"so `{ast.unparse(comparison.node)}` is {'never' if comparison.is_equal else 'always'} true."
         )
         yield Finding("never-equal", cause, source.at(comparison.node), _fix(comparison, families, wanted))
+
+
+def _new_text(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
+    """Yield the finding of a call that makes another string of one, where that is not used."""
+    text = ast.unparse(call)
+    begin: ast.expr = call
+    while (
+        isinstance(begin, ast.Call)
+        and isinstance(begin.func, ast.Attribute)
+        and hasattr(str, begin.func.attr)
+    ):
+        begin = begin.func.value
+    made = f"str().{last_name(call.func)}({', '.join(map(ast.unparse, (*call.args, *call.keywords)))})"
+    if revealed_by(source, Edit(call, f"reveal_type({made})")) == "str":
+        cause = f"`{text}` returns a new string and changes nothing, and what it returns is not used."
+        fix = f"write {ast.unparse(begin)} = {text}"
+        fix = fix if dotted(begin) else f"use what it returns, or {removal(source, call, 'this line')}"
+        yield Finding("no-effect", cause, source.at(call), fix)
 
 
 def _call(source: PythonSource, function: ast.expr, look: Look) -> str:

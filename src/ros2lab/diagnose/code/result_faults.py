@@ -23,7 +23,6 @@ from ros2lab.diagnose.sources.python_source import (
     last_name,
     names_bound,
     own_nodes,
-    parameters,
     walk,
 )
 from ros2lab.diagnose.sources.removal import removal
@@ -31,7 +30,6 @@ from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 from ros2lab.diagnose.sources.uses import State, Uses, filled, is_log, own_stores, values_in
 
-_TEXT_METHODS = frozenset(("lower", "upper", "strip", "lstrip", "rstrip", "replace"))
 # Builtins that only compute.
 _PURE = frozenset(
     ("abs", "bool", "float", "int", "len", "max", "min", "pow", "round", "sorted", "str", "sum")
@@ -279,17 +277,10 @@ def _result_lost(
     text, called = ast.unparse(value), value.func
     function = called_function(uses.sources, source, owner, called)
     is_other = is_self_attribute(called) and _is_overridden(uses, called.attr)
-    if function is not None and not is_other and _only_computes(function):
-        given = [ast.unparse(argument) for argument in value.args if dotted(argument) in source.stored]
-        target = given[0] if len(given) == 1 == len(value.args) else ""
-    elif (
-        isinstance(called, ast.Attribute)
-        and called.attr in _TEXT_METHODS
-        and _is_text(uses, source, called.value)
-    ):
-        target = ast.unparse(called.value)
-    else:
+    if function is None or is_other or not _only_computes(function):
         return
+    given = [ast.unparse(argument) for argument in value.args if dotted(argument) in source.stored]
+    target = given[0] if len(given) == 1 == len(value.args) else ""
     cause = f"`{text}` returns a new value and changes nothing, and the return value is not used."
     fix = (
         f"write {target} = {text}"
@@ -302,29 +293,6 @@ def _result_lost(
 def _is_overridden(uses: Uses, name: str) -> bool:
     """Return whether several classes define a method, so that one may do more than another."""
     return sum(name in owner.methods for owner in uses.sources.classes.values()) > 1
-
-
-def _is_text(uses: Uses, source: PythonSource, value: ast.expr) -> bool:
-    """Return whether an attribute, or a field of a message, is known to hold text."""
-    values = source.stored.get(ast.unparse(value), [])
-    is_field = (
-        isinstance(value, ast.Attribute) and value.attr == "data" and _of_string(uses, source, value.value)
-    )
-    texts = [
-        isinstance(given, ast.JoinedStr) or isinstance(getattr(given, "value", None), str) for given in values
-    ]
-    return is_field or (isinstance(value, ast.Attribute) and bool(texts) and all(texts))
-
-
-def _of_string(uses: Uses, source: PythonSource, message: ast.expr) -> bool:
-    """Return whether an expression is a message of std_msgs' String: received as such, or made here."""
-    kinds = {source.resolve(call.func) for text, call in source.made if text == ast.unparse(message)}
-    kinds |= {
-        source.resolve(creation.given("msg_type"))
-        for creation, function in uses.sources.callbacks()
-        if getattr(message, "id", "") in [parameter.arg for parameter in parameters(function)]
-    }
-    return kinds == {"std_msgs.msg.String"}
 
 
 def _nothing_returned(
