@@ -33,6 +33,9 @@ class Driver(Node):
         self.tracker = Tracker()
         LINE
 
+    def stop(self):
+        print('stop')
+
     def receive(self, msg):
         print(msg.data)
 
@@ -45,6 +48,7 @@ def main():
     rclpy.spin(Driver())
 """
 QOS = "TypeError: Expected QoSProfile or int, but received <class '{}'>"
+GROUP = "AttributeError: '{}' object has no attribute 'add_entity'"
 OF_SERVICE = "AttributeError: '{}' object has no attribute 'get_c_qos_profile'"
 
 
@@ -70,6 +74,10 @@ def first(line: str, error: str, root: Path) -> Finding:
         ("self.create_subscription(String, 'x', self.receive, self.tracker)", QOS.format("a.Tracker"), "takes a QoSProfile or an integer", "`self.create_subscription(String, 'x', self.receive, 10)`"),
         ("self.out = self.create_publisher(String, 'x', self.tracker)", QOS.format("a.Tracker"), "`self.tracker` is a Tracker", "`self.create_publisher(String, 'x', 10)`"),
         ("self.create_service(Trigger, 'x', logged, qos_profile=self.tracker)", OF_SERVICE.format("Tracker"), "`qos_profile=self.tracker` is a Tracker", "`self.create_service(Trigger, 'x', lambda request, response: logged(request, response, self.tracker))`"),
+        ("self.create_timer(1.0, self.receive, 'red')", GROUP.format("str"), "`'red'` is a string", "write `self.create_timer(1.0, functools.partial(self.receive, 'red'))`, with `import functools` at the top"),
+        ("self.create_timer(1.0, self.receive_for, ('red', 2))", GROUP.format("tuple"), "", "`self.create_timer(1.0, functools.partial(self.receive_for, 'red', 2))`"),
+        ("self.create_timer(1.0, self.receive, callback_group='red')", GROUP.format("str"), "", "`self.create_timer(1.0, functools.partial(self.receive, 'red'))`"),
+        ("self.create_timer(1.0, self.stop, 'red')", GROUP.format("str"), "", "`self.create_timer(1.0, self.stop)`"),
         ("self.create_timer(self.receive, 1.0)", "TypeError: float() argument must be a string or a real number, not 'method'", "", "`self.create_timer(1.0, self.receive)`"),
     ],
 )  # fmt: skip

@@ -35,37 +35,33 @@ def rewritten(call: ast.Call, rule: str, said: dict[str, str]) -> dict[str, str]
     return {text: f"write `{text}`" for text in texts}
 
 
-def given_another(source: PythonSource, call: ast.Call, value: ast.expr, wanted: str) -> dict[str, str]:
-    """Return forms of a call with their fixes: an example of the wanted type replaces a value.
-
-    Forms that pass the value on to a function among the other arguments come first.
-    """
-    meant = fitting(wanted, value) if isinstance(value, ast.Constant) else ""
-    example = meant or example_of(Parameter("", wanted, "", is_positional=True))
-    passed_on = {
-        id(argument): _called_with(source, argument, value)
-        for argument in given_to(call)
-        if argument is not value
-    }
-    ways = [{key: text} for key, text in passed_on.items() if text]
+def passed_on(source: PythonSource, call: ast.Call, value: ast.expr, example: str) -> dict[str, str]:
+    """Return forms of a call with their fixes: a value is passed on to a function among the other arguments."""
+    others = (argument for argument in given_to(call) if argument is not value)
+    ways = [{id(other): text} for other in others if (text := _called_with(source, other, value))]
     # An example of a string is not used: its content would be a guess.
-    texts = [with_arguments(call, {**way, id(value): example}) for way in (*ways, {}) if example.strip("'")]
-    if any(keyword.value is value for keyword in call.keywords):
-        texts += [with_arguments(call, {**way, id(value): LEFT_OUT}) for way in ways]
+    left = [LEFT_OUT, example] if example.strip("'") else [LEFT_OUT]
+    texts = [with_arguments(call, {**way, id(value): text}) for way in ways for text in left]
     return {text: f"write `{text}`" for text in texts}
 
 
+def example_in_place_of(value: ast.expr, wanted: str) -> str:
+    """Return an example of the wanted type, near a value that is not of it."""
+    meant = fitting(wanted, value) if isinstance(value, ast.Constant) else ""
+    return meant or example_of(Parameter("", wanted, "", is_positional=True))
+
+
 def _called_with(source: PythonSource, function: ast.expr, value: ast.expr) -> str:
-    """Return a lambda that calls a function with a value as its last argument; empty if it takes none."""
+    """Return what calls a function with a value as its last argument; empty if it takes none."""
     found = own_function(source, function) if isinstance(function, (ast.Name, ast.Attribute)) else None
     names = [parameter.arg for parameter in own_parameters(found[1])] if found else []
-    more = (
-        [*map(ast.unparse, value.elts)] if isinstance(value, (ast.Tuple, ast.List)) else [ast.unparse(value)]
-    )
-    if kind_of(value) == "None" or not 0 < len(more) < len(names):
+    parts = value.elts if isinstance(value, (ast.Tuple, ast.List)) else [value]
+    if kind_of(value) == "None" or not 0 < len(parts) <= len(names):
         return ""
-    own = ", ".join(names[: -len(more)])
-    return f"lambda {own}: {ast.unparse(function)}({own}, {', '.join(more)})"
+    own, called = names[: -len(parts)], ast.unparse(function)
+    if not own:  # partial, because a lambda in a loop would see the last value of its variable
+        return f"functools.partial({', '.join(map(ast.unparse, [function, *parts]))})"
+    return f"lambda {', '.join(own)}: {called}({', '.join([*own, *map(ast.unparse, parts)])})"
 
 
 def argument_at(call: ast.Call, line: int, column: int) -> ast.expr | None:

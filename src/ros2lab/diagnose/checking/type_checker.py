@@ -10,7 +10,8 @@ from ros2lab.diagnose.checking.call_forms import (
     argument_at,
     as_it_was_meant,
     call_at,
-    given_another,
+    example_in_place_of,
+    passed_on,
     rewritten,
 )
 from ros2lab.diagnose.checking.checked_copies import checked, first_that_stands
@@ -31,7 +32,7 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, own_nodes, parameters
 from ros2lab.diagnose.sources.spelling import nearest, snake_case, write_instead
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, with_arguments
 
 
 def type_faults(
@@ -134,11 +135,15 @@ def _tried(
 ) -> str:
     """Return what to write instead of a call, of what the type checker accepts; empty if it accepts nothing that is known."""
     ways = {**as_it_was_meant(source, call), **rewritten(call, row["rule"], said)}
-    wanted = said.get("wanted")
-    others = given_another(source, call, at_fault, wanted) if at_fault and wanted is not None else {}
-    good = first_that_stands(source, call, [*ways, *others])
-    good = good or first_that_stands(source, call, [*others], settled=row["said"])
-    ways |= others
+    first, others = dict[str, str](), dict[str, str]()
+    if at_fault and "wanted" in said:
+        example = example_in_place_of(at_fault, said["wanted"])
+        first = passed_on(source, call, at_fault, example)
+        text = with_arguments(call, {id(at_fault): example}) if example.strip("'") else ""
+        others = {text: f"write `{text}`"} if text else {}
+    good = first_that_stands(source, call, [*first, *ways, *others])
+    good = good or first_that_stands(source, call, [*first, *others], settled=row["said"])
+    ways |= first | others
     if is_short:
         good = good or first_that_stands(source, call, list(ways), are_items_open=True)
     lines = missing_imports(source, good)

@@ -83,12 +83,14 @@ def equal_sides(node: ast.Compare) -> Iterator[tuple[ast.expr, list[ast.expr], b
             yield left, right.elts, is_equal
 
 
-LEFT_OUT = "..."  # a keyword argument with this value is left out
+LEFT_OUT = "..."  # an argument with this new text is left out
 
 
 def with_arguments(call: ast.Call, new: Mapping[int, str]) -> str:
     """Return a call with other texts for some of its arguments, by their `id`."""
-    places = [new.get(id(value)) or ast.unparse(value) for value in call.args]
+    places = [
+        new.get(id(value)) or ast.unparse(value) for value in call.args if new.get(id(value)) != LEFT_OUT
+    ]
     pairs = (
         (keyword.arg, new.get(id(keyword.value)) or ast.unparse(keyword.value)) for keyword in call.keywords
     )
