@@ -156,3 +156,24 @@ def test_the_story_of_a_run_without_messages_names_the_loop(tmp_path: Path) -> N
     said = told_of(Seen(look, assignments.load(), [run], []), run, set())
     assert "until then the loop stands still (" in said
     assert "rclpy.spin_once(node, timeout_sec=0.1) instead of" in said
+
+
+@pytest.mark.parametrize(
+    ("written", "fix"),
+    [
+        (of_class("pass", "node.click()", "rclpy.spin(node)"), "write rclpy.spin_once(node, timeout_sec=1.0) instead of"),
+        (of_class("pass", "node.pub.publish(Int32())", "rclpy.spin(node)"), "write rclpy.spin_once("),
+        (of_class(TAKES, "node.click()", "rclpy.spin(node)"), "call it in a timer callback"),
+        (of_class(TAKES, "rclpy.spin(node)"), ""),
+        (of_class(TAKES, "print('on')", "rclpy.spin(node)"), ""),
+        (of_class(TIMED, "rclpy.spin(node)", "node.click()"), ""),
+        (of_class(TIMED, "node.click()", "try:", "    rclpy.spin(node)", "except KeyError:", "    pass"), ""),
+        (of_class("pass", "node.click()", "rclpy.spin_once(node, timeout_sec=1.0)"), ""),
+        (of_class(TIMED, "node.click()", "rclpy.spin(node)").replace("rclpy.ok()", "not node.get_name()"), ""),
+    ],
+)  # fmt: skip
+def test_a_loop_that_has_only_one_turn(tmp_path: Path, written: str, fix: str) -> None:
+    files = Files.right(NAMES[1]).put("driver", HEAD + written + TAIL)
+    found = [one.fix for one in of_workspace(files.write(tmp_path)) if "only one turn" in one.cause]
+    assert len(found) == bool(fix)
+    assert all(one.startswith(fix) for one in found)

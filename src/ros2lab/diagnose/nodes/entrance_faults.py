@@ -10,7 +10,7 @@ from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding, in_a_row, lines_in_words
 from ros2lab.diagnose.nodes.import_work import import_work
 from ros2lab.diagnose.nodes.one_executor import joined, joined_after, spun_together
-from ros2lab.diagnose.nodes.spin_loops import CALLED_BACK, rests, stands_still
+from ros2lab.diagnose.nodes.spin_loops import CALLED_BACK, one_turn, rests, stands_still
 from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
@@ -55,6 +55,7 @@ def entrance_faults(entrance: Entrance, mains: Collection[str]) -> Iterator[Find
     if any(call.short in CALLED_BACK for call in entrance.calls):
         yield from _spin(entrance)
     yield from stands_still(entrance)
+    yield from one_turn(entrance)
 
 
 def _left_aside(entrance: Entrance, mains: Collection[str]) -> Iterator[Finding]:

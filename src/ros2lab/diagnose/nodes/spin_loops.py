@@ -1,4 +1,4 @@
-"""Loops that call spin_once: what stands still, or comes too late, because of it."""
+"""Loops that spin: what stands still, comes too late, or comes only once, because of it."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import Call, Entrance
 from ros2lab.diagnose.sources.node_source import CREATORS
 from ros2lab.diagnose.sources.one_run import goes_on_forever
-from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 
 CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
 _RARE = frozenset(("create_rate", "create_guard_condition", "create_task", "ActionClient", "ActionServer"))
@@ -100,6 +100,32 @@ def rests(entrance: Entrance) -> Iterator[Finding]:
                     turn.source.at(statement),
                     f"write rclpy.spin({given}) instead of the loop, and move the loop's other work into a timer callback",
                 )
+
+
+def one_turn(entrance: Entrance) -> Iterator[Finding]:
+    """Yield a spin without end in a loop that publishes before it: rclpy.spin returns only when the loop ends, too."""
+    senders = {
+        node.name
+        for source in entrance.sources.sources.values()
+        for node in source.nodes
+        if isinstance(node, Function) and any(last_name(inner) == "publish" for inner in own_nodes(node))
+    }
+    for spin in (spin for spin in entrance.spins if spin.name == "rclpy.spin" and spin.call.args):
+        for loop in (node for node in own_nodes(spin.function) if isinstance(node, ast.While)):
+            is_ok = isinstance(loop.test, ast.Call) and spin.source.resolve(loop.test.func) == "rclpy.ok"
+            alone = [n.value for n in loop.body if isinstance(n, ast.Expr) and isinstance(n.value, ast.Call)]
+            if not is_ok or spin.call not in alone:
+                continue
+            before = alone[: alone.index(spin.call)]
+            if sent := [
+                call for call in before if last_name(call.func) in {"publish", *senders} - {"__init__"}
+            ]:
+                given = ast.unparse(spin.call.args[0])
+                cause = f"rclpy.spin({given}) runs until Ctrl-C, so this loop has only one turn, and `{ast.unparse(sent[0])}` is called only once."
+                fix = f"write rclpy.spin_once({given}, timeout_sec=1.0) instead of {ast.unparse(spin.call)}"
+                if entrance.has_callbacks:
+                    fix = f"call it in a timer callback, and write {ast.unparse(spin.call)} without the loop"
+                yield Finding("callback-waits", cause, spin.source.at(spin.call), fix)
 
 
 def _is_too_slow(entrance: Entrance, length: float) -> bool:
