@@ -294,10 +294,8 @@ def _parameter_fault(
     is_static = any(getattr(decorator, "id", "") == "staticmethod" for decorator in function.decorator_list)
     args = creation.call.args
     after = args[args.index(given) + 1 :] if given in args else []
-    is_passed = any(
-        isinstance(getattr(value, "value", None), str) for value in after
-    )  # meant for the callback
-    if is_passed or (is_wrapped(function) and not is_static):
+    is_meant_for_it = any(isinstance(getattr(value, "value", None), str) for value in after)
+    if is_meant_for_it or (is_wrapped(function) and not is_static):
         return
     is_method = isinstance(given, ast.Attribute) and not is_static
     if is_method and (not names or "self" in unbound_names(creation.source, function)):

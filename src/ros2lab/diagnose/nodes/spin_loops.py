@@ -117,9 +117,7 @@ def one_turn(entrance: Entrance) -> Iterator[Finding]:
             if not is_ok or spin.call not in alone:
                 continue
             before = alone[: alone.index(spin.call)]
-            if sent := [
-                call for call in before if last_name(call.func) in {"publish", *senders} - {"__init__"}
-            ]:
+            if sent := [call for call in before if last_name(call.func) in {"publish", *senders}]:
                 given = ast.unparse(spin.call.args[0])
                 cause = f"rclpy.spin({given}) runs until Ctrl-C, so this loop has only one turn, and `{ast.unparse(sent[0])}` is called only once."
                 fix = f"write rclpy.spin_once({given}, timeout_sec=1.0) instead of {ast.unparse(spin.call)}"
