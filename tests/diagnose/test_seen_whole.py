@@ -149,7 +149,7 @@ def test_what_holds_in_every_case_is_told_with_a_fix(tmp_path: Path, name: str) 
             "def stop(self):\n    self.cmd2_pub.publish(Twist())",
             "write self.pub2 instead of self.cmd2_pub",
         ),
-        (PUB, "def stop(self):\n    self.stopper.publish(Twist())", "create_publisher(Twist, 'stopper', 10)"),
+        (PUB, "def stop(self):\n    self.stopper.publish(Twist())", "create_publisher(Twist, '...', 10)"),
     ],
 )
 def test_an_attribute_is_meant_as_it_is_used(tmp_path: Path, init: str, methods: str, fix: str) -> None:
