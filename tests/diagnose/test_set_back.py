@@ -13,8 +13,10 @@ from ros2lab.diagnose.finding import Finding
 GIVEN = "parameters=[config]"
 
 
-def told(given: str, folder: Path, before: str = "") -> list[Finding]:
+def told(given: str, folder: Path, before: str = "", parameters: str = "") -> list[Finding]:
     files = right_workspace().change("launch/robot.launch.py", GIVEN, f"parameters={given}")
+    if parameters:
+        files.put("config/robot.yaml", parameters)
     if before:
         files.change("launch/robot.launch.py", "    config = ", f"    {before}\n    config = ")
     return [
@@ -22,10 +24,7 @@ def told(given: str, folder: Path, before: str = "") -> list[Finding]:
     ]
 
 
-@pytest.mark.parametrize(
-    "given",
-    ["[{'speed': 0.9}, config]", "[{'speed': 0.9, 'other': 1}, config]", "[config, {'speed': 0.9}, config]"],
-)
+@pytest.mark.parametrize("given", ["[{'speed': 0.9}, config]", "[{'speed': 0.9}, config, {'other': 1}]"])
 def test_a_value_that_stands_before_a_file_with_another_is_set_back(tmp_path: Path, given: str) -> None:
     (found,) = told(given, tmp_path)
     assert "speed is 0.9 here, but robot.yaml, which comes after it, sets it to 0.3" in found.cause
@@ -34,10 +33,39 @@ def test_a_value_that_stands_before_a_file_with_another_is_set_back(tmp_path: Pa
 
 @pytest.mark.parametrize(
     "given",
-    ["[config, {'speed': 0.9}]", "[{'speed': 0.3}, config]", "[{'other': 0.9}, config]", "[config, config]", "[{'speed': 0.9}]"],
+    ["[config, {'speed': 0.9}]", "[{'speed': 0.3}, config]", "[{'other': 0.9}, config]", "[{'speed': 0.9, 'other': 1}, config]", "[{'speed': 0.9}, config, {'speed': 0.3}]", "[config, config]", "[config, {'speed': 0.9}, config]", "[{'speed': 0.9}]"],
 )  # fmt: skip
 def test_what_stands_last_counts(tmp_path: Path, given: str) -> None:
     assert told(given, tmp_path) == []
+
+
+_TWO = {
+    name: f"{key}:\n  ros__parameters: {{speed: 0.3, word: go}}\n"
+    for name, key in (("every", "/**"), ("own", "velocity_publisher"))
+}
+
+
+@pytest.mark.parametrize("section", _TWO)
+@pytest.mark.parametrize(
+    ("given", "is_lost"),
+    [
+        ("[config, {'speed': 0.9, 'word': 'stop'}]", True),
+        ("[config, {'speed': 0.9}, {'word': 'stop'}]", True),
+        ("[config, {'speed': 0.9, 'word': 'go'}]", False),
+        ("[config, {'speed': 0.9}]", False),
+        ("[{'speed': 0.9, 'word': 'stop'}, config, {'speed': 0.5}]", False),
+    ],
+)
+def test_a_file_of_which_no_value_counts(tmp_path: Path, section: str, given: str, is_lost: bool) -> None:
+    found = told(given, tmp_path, parameters=_TWO[section])
+    assert [one.cause.partition(",")[0] for one in found] == is_lost * [
+        "speed is 0.3 and word is 'go' in robot.yaml"
+    ]
+
+
+def test_a_file_for_two_nodes_may_be_overridden_in_one(tmp_path: Path) -> None:
+    given = "[config, {'speed': 0.9, 'word': 'stop'}]),\n        Node(package='my_bot', executable='status_publisher', parameters=[config]"
+    assert told(given, tmp_path, parameters=_TWO["every"]) == []
 
 
 @pytest.mark.parametrize(

@@ -256,6 +256,7 @@ class Look:
             if file.is_loaded or (file.lacks and "namespace" not in read_text(path).lower())
         ]
         yield from guarded(sections_apart, known)
+        yield from guarded(set_back, [node for file, _, nodes in started if file.is_loaded for node in nodes])
         for launch_file, path, nodes in started:
             if launch_file.is_loaded:
                 yield from guarded(self._faults_of_started, launch_file)
@@ -263,7 +264,6 @@ class Look:
                 yield from guarded(keyboard_faults, launch_file, nodes)
                 if path.suffix == ".py":
                     yield from guarded(awaited_ends, read_source(path, path.stem, launch_file.shown), nodes)
-                yield from guarded(set_back, nodes)
 
     def _faults_of_started(self, launch_file: LaunchFile) -> Iterator[Finding]:
         return started_faults(launch_file, self._with_sources, is_alone=self._are_alone)

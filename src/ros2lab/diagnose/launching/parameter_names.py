@@ -7,7 +7,7 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from pathlib import Path
 from typing import Any
 
@@ -48,23 +48,52 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
         yield from _of_launch_file(file, packages)
 
 
-def set_back(started: list[Started]) -> Iterator[Finding]:
-    """Yield parameters of a node that a file after them sets to another value: the last value counts.
+def set_back(started: Sequence[Started]) -> Iterator[Finding]:
+    """Yield values of a file of which none counts, as those of the launch file come after them, and the reverse.
 
-    A file before another file, or before parameters, is the usual way to write defaults.
+    A file that other nodes are given too, or that has a single value, may be overridden on purpose.
     """
+    files = {(node.launched.place, str(given)) for node in started for given in node.launched.given}
+    users = Counter(file for _, file in files)
     for node in started:
-        known: dict[str, Any] = {}
-        for given in node.launched.given:
-            if isinstance(given, Mapping):
-                known |= given
-                continue
-            for name, value in _given_by(Path(given), node):
-                if name in known and known[name] != value:
-                    shown = Path(given).name
-                    cause = f"{name} is {known[name]} here, but {shown}, which comes after it, sets it to {value}: the last value counts."
-                    fix = f"write {shown} first in parameters=[...], and the values that should win after it"
-                    yield Finding("launch-argument", cause, node.launched.place, fix, (name,))
+        rows = [*_given_to(node)]
+        sections = [*dict.fromkeys(section for _, section, *_ in rows)]
+        last = {row[2]: row for row in rows}
+        # ROS takes the sections in the order in which each comes first; nothing is told where that makes a difference.
+        if last != {row[2]: row for row in sorted(rows, key=lambda row: sections.index(row[1]))}:
+            continue
+        for (number, file), own in itertools.groupby(rows, key=itemgetter(0)):
+            lost = {name: value for *_, name, value in own}
+            (winner, other), *more = {last[name][0] for name in lost}
+            ends = [last[name][3] for name in lost]
+            is_lost = all(str(a).lower() != str(b).lower() for a, b in zip(lost.values(), ends, strict=True))
+            is_meant = bool(file) == bool(other) or (file and (len(lost) == 1 or users[file] > 1))
+            if winner > number and not more and is_lost and not is_meant:
+                shown, it = Path(file or other).name, "them" if len(lost) > 1 else "it"
+                first = in_a_row([f"{name} is {value!r}" for name, value in lost.items()])
+                then = f"sets {it} to {in_a_row([*map(repr, ends)])}: the last value counts."
+                cause = f"{first} here, but {shown}, which comes after {it}, {then}"
+                fix = f"write {shown} first in parameters=[...], and the values that should win after it"
+                if file:
+                    cause = f"{first} in {shown}, but the launch file, after it, {then}"
+                    fix = f"give the node {shown} after these values, or without those that it should set"
+                yield Finding("launch-argument", cause, node.launched.place, fix, tuple(lost))
+
+
+def _given_to(node: Started) -> Iterator[tuple[tuple[int, str], str, str, Any]]:
+    """Yield what a node is given, in order: number and path of the file, section, name and value.
+
+    What a launch file gives between two files has one number, and no path.
+    """
+    number = 0
+    for before, given in itertools.pairwise(("", *node.launched.given)):
+        number += isinstance(before, str) or isinstance(given, str)
+        if isinstance(given, Mapping):
+            yield from (((number, ""), "/**", *row) for row in flat(given))
+            continue
+        for key, values in sections_in(read_text(Path(given))):
+            if is_node(key, {node.name}):
+                yield from (((number, given), key, *row) for row in values.items())
 
 
 def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
@@ -213,10 +242,3 @@ def _may_declare(files: NodeSources, name: str) -> bool:
                 ):
                     return True
     return False
-
-
-def _given_by(path: Path, node: Started) -> Iterator[tuple[str, Any]]:
-    """Yield the parameters that a file sets for a node; none if it cannot be read."""
-    for key, parameters in sections_in(read_text(path)):
-        if is_node(key, {node.name}):
-            yield from ((str(name), value) for name, value in parameters.items())
