@@ -129,6 +129,17 @@ def test_what_a_tool_says_is_passed_on(workspace: Path, text: str, said: str) ->
             "rclpy._rclpy_pybind11.RCLError: failed to initialize rcl: Couldn't parse remap rule: '-r __ns:=robot1'.",
             "ros2 run my_bot talker --ros-args -r __ns:=/robot1",
         ),
+        *(
+            (f"ros2 run my_bot talker --ros-args {typed} -p loud:=true", f"RCLError: failed to initialize rcl: Couldn't parse parameter override rule: '{said}'.", f"ros2 run my_bot talker --ros-args {meant} -p loud:=true")
+            for typed, said, meant in (
+                ("-p period:= 2.5", "-p period:=", "-p period:=2.5"),
+                ("-p period :=-2.5", "-p period", "-p period:=-2.5"),
+                ("-p period: =2.5", "-p period:", "-p period:=2.5"),
+                ("-p period=2.5", "-p period=2.5", "-p period:=2.5"),
+                ("-p period 2.5", "-p period", "-p period:=2.5"),
+                ("-r talker:chatter := /a", "-r talker:chatter", "-r talker:chatter:=/a"),
+            )
+        ),
         ("ros2 run my_bot talker --log-level debug", "[INFO] [talker]: running 0", "ros2 run my_bot talker --ros-args --log-level debug"),
         (
             "ros2 run my_bot talker --ros-args --params-file robot.yaml",

@@ -42,6 +42,13 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
     if not isinstance(known, type) or not issubclass(known, Exception):
         refusal = re.sub(r", at /\S+", "", message).rstrip(".")
         fix = "check each value on this line against what the message says"
+        if "Couldn't parse" in refusal:  # by rcl, of what a command or a launch file gives
+            return Finding(
+                SAID,
+                f"ROS refuses the arguments of the node: {refusal}.",
+                "",
+                "correct them in the command or the launch file that starts it",
+            )
         return (
             Finding(SAID, f"`{spot.text}` fails: {refusal}.", place, fix) if spot.text and refusal else None
         )

@@ -54,6 +54,12 @@ _VARIABLES = {
 }
 REFUSED = re.compile(r"^(?:usage: )?ros2[ \w]*: error: ", re.M)
 _MOST_CORRECTIONS = 4  # words of a command that are corrected
+# A rule as it is typed after an option, with whatever stands between its two texts.
+_SECOND = r"(?!-[-A-Za-z])[^\s:=&|;<>]\S*"
+_RULE = re.compile(
+    r" (?P<option>-p|--param|-r|--remap) +(?P<name>[\w/~][^\s:='\"]*(?::[^\s:='\"]+(?=\s*:=))?)"
+    rf"(?P<sign>[\s:=]*(?={_SECOND})|[:=]*)(?P<value>{_SECOND})?"
+)
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?")
 
 
@@ -320,6 +326,7 @@ class _Command:
         return None
 
     def _options(self) -> Iterator[Corrected]:
+        yield from self._rules()
         yield from self._without_option()
         for before, word in itertools.pairwise(self.rest):
             if before == "--log-level" and word.rpartition(":=")[2].lower() not in (*_LEVELS, "unset"):
@@ -329,17 +336,23 @@ class _Command:
             if before in ("-r", "--remap") and word.startswith("__ns:=") and not word.startswith("__ns:=/"):
                 why = f"A namespace must begin with a slash, unlike {word!r}."
                 yield Corrected(self._with(word, word.replace(":=", ":=/", 1)), why)
-            if before in ("-r", "--remap") and "--ros-args" in self.rest and re.match(r"[^:=]+=[^:=]", word):
-                why = f"The rule {word!r} after {before} has no `:=` between the two names."
-                yield Corrected(self._with(word, word.replace("=", ":=", 1)), why)
             if before == "--params-file" and not word.startswith(("/", "~")):
                 yield from self._file(word)
-            if before in ("-p", "--param") and "--ros-args" in self.rest and ":=" not in word:
-                name, _, value = re.sub(r"\s*[:=]+\s*", "=", word).partition("=")
-                default = self.known.parameters.get(name, UNKNOWN)
-                value = value or (str(default) if default is not UNKNOWN else "1.0")
-                why = f"The rule {word!r} after {before} has no `:=` between the name and the value."
-                yield Corrected(self._with(word, f"{name}:={value}"), why)
+
+    def _rules(self) -> Iterator[Corrected]:
+        """Yield corrections for rules after --ros-args that lack `:=`, or the value behind it, or have a blank beside it."""
+        for match in _RULE.finditer(self.line, self.line.find("--ros-args") % (len(self.line) + 1)):
+            option, name, sign, value = match.group("option", "name", "sign", "value")
+            if (sign == ":=" and value) or (option in ("-r", "--remap") and not value):
+                continue
+            default = self.known.parameters.get(name, UNKNOWN)
+            right = f"{name}:={value or (default if default is not UNKNOWN else 1.0)}"
+            rule = match[0].partition(option)[2].strip()
+            lack = "value after `:=`" if sign == ":=" else "`:=` between the two words"
+            why = f"The rule {rule!r} after {option} has no {lack}."
+            if " " in sign and "".join(sign.split()) == ":=":
+                why = f"A rule has no blank before or after `:=`, but {rule!r} has one, so it is read as several words."
+            yield Corrected(f"{self.line[: match.start('name')]}{right}{self.line[match.end() :]}", why)
 
     def _without_option(self) -> Iterator[Corrected]:
         """Yield corrections for settings after --ros-args that lack their option."""
