@@ -218,3 +218,29 @@ def test_a_namespace_that_an_included_file_leaves(
     both = file("include('one.launch.py')", "include('two.launch.py')")
     found = told(tmp_path, both, one=file(one), two=file(two))
     assert ["two.launch.py starts its programs in /left/right" in text for text in found] == [True] * count
+
+
+@pytest.mark.parametrize(
+    ("spare", "given", "is_told"),
+    [
+        ("0.5", "<param name='period' value='0.5'/>", True),
+        ("0.5", "<param name='wheel'><param name='period' value='0.5'/></param>", True),
+        ("0.5", "<param name='period' value='0.7'/>", False),
+        ("0.5", "<param name='period' value='$(var period)'/>", False),
+        ("0.5", "<param name='other' value='0.5'/>", False),
+        ("0.5", "<param name='period' value='0.5' if='$(eval \"$(var period) > 0\")'/>", False),
+        ("", "<param name='period' value='0.5'/>", False),
+    ],
+)
+def test_a_fixed_value_in_place_of_an_argument(tmp_path: Path, spare: str, given: str, is_told: bool) -> None:
+    text = f"<launch>\n<arg name='period' default='{spare}'/>\n<node pkg='my_bot' exec='talker'>\n{given}\n</node>\n</launch>\n"
+    found = told(tmp_path, text, "all.launch.xml")
+    assert [one.partition(":")[0] for one in found] == is_told * [
+        "The launch argument period is declared but never used"
+    ]
+
+
+def test_a_fixed_attribute_in_place_of_an_argument_in_yaml(tmp_path: Path) -> None:
+    text = "launch:\n- arg: {name: namespace, default: left}\n- node:\n    pkg: my_bot\n    exec: talker\n    namespace: left\n"
+    (found,) = told(tmp_path, text, "all.launch.yaml")
+    assert found.endswith('write "$(var namespace)" instead of left, and build again')

@@ -41,17 +41,12 @@ def of_error(kind: str, message: str, place: str, spot: Spot) -> Finding | None:
         return None
     if not isinstance(known, type) or not issubclass(known, Exception):
         refusal = re.sub(r", at /\S+", "", message).rstrip(".")
+        cause = f"`{spot.text}` fails: {refusal}."
         fix = "check each value on this line against what the message says"
         if "Couldn't parse" in refusal:  # by rcl, of what a command or a launch file gives
-            return Finding(
-                SAID,
-                f"ROS refuses the arguments of the node: {refusal}.",
-                "",
-                "correct them in the command or the launch file that starts it",
-            )
-        return (
-            Finding(SAID, f"`{spot.text}` fails: {refusal}.", place, fix) if spot.text and refusal else None
-        )
+            cause, place = f"ROS refuses the arguments of the node: {refusal}.", ""
+            fix = "correct them in the command or the launch file that starts it"
+        return Finding(SAID, cause, place, fix) if spot.text and refusal else None
     if kind == "TypeError" and (taken := _taken_out(message, spot)):
         name, held = taken
         cause = f"{name} is {kind_in_words(held)}, but `{spot.text}` needs the value inside it."

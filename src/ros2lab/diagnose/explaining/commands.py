@@ -333,9 +333,6 @@ class _Command:
                 near = nearest(word.lower(), _LEVELS, 0.6) or "debug"
                 why = f"There is no log level {word}; the levels are {', '.join(_LEVELS)}."
                 yield Corrected(self._with(word, near), why)
-            if before in ("-r", "--remap") and word.startswith("__ns:=") and not word.startswith("__ns:=/"):
-                why = f"A namespace must begin with a slash, unlike {word!r}."
-                yield Corrected(self._with(word, word.replace(":=", ":=/", 1)), why)
             if before == "--params-file" and not word.startswith(("/", "~")):
                 yield from self._file(word)
 

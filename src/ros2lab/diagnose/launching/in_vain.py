@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with
+from ros2lab.diagnose.launching.launch_file import entities_below, entities_in
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest
 
@@ -51,6 +52,20 @@ def unknown_arguments(path: Path, shown: str, lost: Sequence[Mapping[str, Any]])
         fix = f"write {meant!r} instead of {name!r}" if meant else f"write one of these instead of {name!r}"
         place = _line_from(text, found["line"], name)
         yield Finding("launch-unused", cause, at(shown, place), f"{fix}, and build again")
+
+
+def fixed(path: Path, shown: str) -> Iterator[Finding]:
+    """Yield the arguments of a file in XML or YAML that nothing reads, where their default is also a fixed value of that name."""
+    text, rows = read_text(path), [*entities_below("", entities_in(path), set())]
+    for name, default in ((str(e.get("name")), e.get("default")) for kind, e in rows if kind == "arg"):
+        others = (e for kind, e in rows if kind != "arg" and default)
+        has = any(default in (e.get(name), e.get("value") if e.get("name") == name else None) for e in others)
+        is_read = re.search(rf"\$\([^)]*\b{re.escape(name)}\b", text) or "include" in dict(rows)
+        if has and not is_read:
+            line = max(n for n, line in enumerate(text.splitlines(), 1) if name in line)
+            cause = f"The launch argument {name} is declared but never used: a fixed {default} stands here in its place."
+            fix = f'write "$(var {name})" instead of {default}, and build again'
+            yield Finding("launch-unused", cause, at(shown, line), fix)
 
 
 def never_begun(shown: str, waiting: Sequence[Mapping[str, Any]], told: Collection[str]) -> Iterator[Finding]:

@@ -304,18 +304,29 @@ def _calls(source: PythonSource) -> Mapping[str, Any]:
     return spelt
 
 
+def entities_in(path: Path) -> Any:
+    """Return the entities of a launch file in XML or YAML, with texts as attributes."""
+    import yaml
+
+    from portable_ros2 import bounded_yaml
+
+    text = read_text(path)
+    return _xml(text) if path.suffix in (".xml", ".launch") else bounded_yaml.load(text, yaml.BaseLoader)
+
+
 def _read_entities(path: Path, shown: str) -> LaunchFile:
-    """Read a launch file in XML or YAML: both hold the same entities, with texts as attributes."""
     import yaml
 
     from portable_ros2 import bounded_yaml
 
     text, line, is_xml = read_text(path), None, path.suffix in (".xml", ".launch")
     try:
-        content = _xml(text) if is_xml else bounded_yaml.load(text, yaml.BaseLoader)
+        content = entities_in(path)
         if isinstance(content, Mapping) and "launch" in content:
-            nodes = [_launched(node, shown, text) for node in _nodes_below(content, set())]
-            return LaunchFile(shown, tuple(nodes))
+            rows = entities_below("", content, set())
+            return LaunchFile(
+                shown, tuple(_launched(node, shown, text) for tag, node in rows if tag == "node")
+            )
         problem = "its root element is not launch"
     except bounded_yaml.TooLargeError as error:
         mark = error.problem_mark
@@ -353,15 +364,18 @@ def _several(value: Any) -> list[Mapping[str, Any]]:
     ]
 
 
-def _nodes_below(content: Any, seen: set[int]) -> Iterator[Mapping[str, Any]]:
-    if id(content) in seen:
-        return  # a YAML alias may even refer to an entity that contains it
-    seen.add(id(content))
+def entities_below(tag: str, content: Any, seen: set[int]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Yield the entities in some content, each with its tag; a YAML alias may even refer to an entity that contains it."""
     if isinstance(content, Mapping):
-        yield from _several(content.get("node"))
-    inner = content.values() if isinstance(content, Mapping) else content if isinstance(content, list) else ()
-    for child in inner:
-        yield from _nodes_below(child, seen)
+        yield tag, content
+    if id(content) not in seen:
+        seen.add(id(content))
+        inner = content.items() if isinstance(content, Mapping) else ()
+        for below, child in [
+            *inner,
+            *((tag, item) for item in (content if isinstance(content, list) else ())),
+        ]:
+            yield from entities_below(below, child, seen)
 
 
 def _launched(node: Mapping[str, Any], shown: str, text: str) -> Launched:

@@ -18,7 +18,7 @@ from typing import Any
 from ros2lab.diagnose.finding import SAID, Finding, at, line_with
 from ros2lab.diagnose.launching import launch_child
 from ros2lab.diagnose.launching.entity_shapes import shapes
-from ros2lab.diagnose.launching.in_vain import never_begun, set_late, shared, unknown_arguments
+from ros2lab.diagnose.launching.in_vain import fixed, never_begun, set_late, shared, unknown_arguments
 from ros2lab.diagnose.launching.launch_file import SHARE, Launched, LaunchFile
 from ros2lab.diagnose.launching.lost_arguments import lost_argument
 from ros2lab.diagnose.launching.own_modules import own_module
@@ -162,6 +162,7 @@ def _joined(
         *set_late(path, file.shown, told["late"], paths),
         *shared(path, file.shown, told["shared"]),
         *unknown_arguments(path, file.shown, told["unknown"]),
+        *(() if path.suffix == ".py" or file.faults else fixed(path, file.shown)),
     )
     faults += (*never_begun(file.shown, told["waited_for"], [fault.place for fault in faults]),)
     for lacking in told["later"]:
