@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import itertools
 import math
 import operator
@@ -62,6 +63,7 @@ class _Other:
 Case = Mapping[str, Any]  # the value of each leaf of an expression, by its source text
 
 
+@functools.lru_cache(maxsize=10_000)  # each part of a long sum is asked for dozens of times
 def text_of(node: ast.AST) -> str:
     """Return the source text of a node; a unique label if Python cannot write it for a long number."""
     try:
