@@ -12,8 +12,8 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.topic_faults import End
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.names_there import topic_ends
-from ros2lab.diagnose.printed.spots import spot_of
-from ros2lab.diagnose.sources.python_source import assignments, parameters, walk
+from ros2lab.diagnose.printed.spots import Spot, spot_of
+from ros2lab.diagnose.sources.python_source import PythonSource, assignments, parameters, walk
 
 _READS = frozenset(("json.loads", "float", "int"))
 
@@ -24,32 +24,45 @@ def of_other_end(error: ErrorText, look: Look) -> Finding | None:
     if not look or report is None or report.kind.rpartition(".")[2] not in ("JSONDecodeError", "ValueError"):
         return None
     spot = spot_of(report, look)
+    sender, read = _sender(spot, look), _read(spot)
+    written = [*_written(sender)] if sender else []
+    is_typed = any("topic pub" in line for line in error.typed)
+    if sender is None or read is None or len(written) != 1 or is_typed:
+        return None
+    source, (value,) = sender.creation.source, written
+    said = re.search(r": '(.*)'$", report.message)
+    fix = "write the text here in the form that is read there, or read it there in this form"
+    if ast.unparse(read.func) == "json.loads":
+        fix = _as_json(value, source)
+    if not fix or (said and not _may_be(value, said[1])):
+        return None
+    cause = f"`{ast.unparse(read)}` in {spot.place} cannot read what is sent on /{sender.topic}: `{ast.unparse(value)}`."
+    return Finding("made-wrong", cause, source.at(value), fix)
+
+
+def _sender(spot: Spot, look: Look) -> End | None:
+    """Return the publisher whose messages the callback at a place takes; None unless it is the only one."""
     function, ends = spot.function, topic_ends(look)
-    own = {f"{parameter.arg}.data" for parameter in parameters(function)} if function else set()
-    reads = [c for c in spot.calls if ast.unparse(c.func) in _READS and own & {*map(ast.unparse, c.args)}]
     called = ((end, end.sources.function_of(end.creation, end.creation.given("callback"))) for end in ends)
     heard = {end.topic for end, by in called if function and by and ast.dump(by) == ast.dump(function)}
     senders = [end for end in ends if end.is_publisher and end.topic in heard]
-    written = [*_written(senders[0])] if len(senders) == 1 else []
-    if len(reads) != 1 or len(written) != 1:
-        return None
-    source, value = senders[0].creation.source, written[0]
-    said = re.search(r": '(.*)'$", report.message)
-    is_typed = any("topic pub" in line for line in error.typed)
-    if is_typed or (said and not _may_be(value, said[1])):
-        return None
-    read = ast.unparse(reads[0])
-    cause = (
-        f"`{read}` in {spot.place} cannot read what is sent on /{senders[0].topic}: `{ast.unparse(value)}`."
-    )
-    fix = "write the text here in the form that is read there, or read it there in this form"
-    if ast.unparse(reads[0].func) == "json.loads":
-        inner = _shown(value)
-        if inner is None or "json.dumps" in ast.unparse(inner):
-            return None
-        more = "" if "json" in source.names else ", with `import json` at the top"
-        fix = f"write `json.dumps({ast.unparse(inner)})` instead of `{ast.unparse(value)}`{more}"
-    return Finding("made-wrong", cause, source.at(value), fix)
+    return senders[0] if len(senders) == 1 else None
+
+
+def _read(spot: Spot) -> ast.Call | None:
+    """Return the call at a place that reads the text of the message; None unless it is the only one."""
+    own = {f"{one.arg}.data" for one in parameters(spot.function)} if spot.function else set()
+    reads = [c for c in spot.calls if ast.unparse(c.func) in _READS and own & {*map(ast.unparse, c.args)}]
+    return reads[0] if len(reads) == 1 else None
+
+
+def _as_json(value: ast.expr, source: PythonSource) -> str:
+    """Return what to write for a text that is what Python shows of a value; empty if it is another text."""
+    inner = _shown(value)
+    if inner is None or "json.dumps" in ast.unparse(inner):
+        return ""
+    more = "" if "json" in source.names else ", with `import json` at the top"
+    return f"write `json.dumps({ast.unparse(inner)})` instead of `{ast.unparse(value)}`{more}"
 
 
 def _may_be(value: ast.expr, text: str) -> bool:

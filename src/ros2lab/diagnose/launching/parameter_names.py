@@ -7,7 +7,8 @@ import itertools
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from operator import attrgetter, itemgetter
+from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -57,43 +58,76 @@ def set_back(started: Sequence[Started]) -> Iterator[Finding]:
     users = Counter(file for _, file in files)
     for node in started:
         rows = [*_given_to(node)]
-        sections = [*dict.fromkeys(section for _, section, *_ in rows)]
-        last = {row[2]: row for row in rows}
+        last = {row.name: row for row in rows}
+        sections = [*dict.fromkeys(row.section for row in rows)]
         # ROS takes the sections in the order in which each comes first; nothing is told where that makes a difference.
-        if last != {row[2]: row for row in sorted(rows, key=lambda row: sections.index(row[1]))}:
+        if last != {row.name: row for row in sorted(rows, key=lambda row: sections.index(row.section))}:
             continue
-        for (number, file), own in itertools.groupby(rows, key=itemgetter(0)):
-            lost = {name: value for *_, name, value in own}
-            (winner, other), *more = {last[name][0] for name in lost}
-            ends = [last[name][3] for name in lost]
-            is_lost = all(str(a).lower() != str(b).lower() for a, b in zip(lost.values(), ends, strict=True))
-            is_meant = bool(file) == bool(other) or (file and (len(lost) == 1 or users[file] > 1))
-            if winner > number and not more and is_lost and not is_meant:
-                shown, it = Path(file or other).name, "them" if len(lost) > 1 else "it"
-                first = in_a_row([f"{name} is {value!r}" for name, value in lost.items()])
-                then = f"sets {it} to {in_a_row([*map(repr, ends)])}: the last value counts."
-                cause = f"{first} here, but {shown}, which comes after {it}, {then}"
-                fix = f"write {shown} first in parameters=[...], and the values that should win after it"
-                if file:
-                    cause = f"{first} in {shown}, but the launch file, after it, {then}"
-                    fix = f"give the node {shown} after these values, or without those that it should set"
-                yield Finding("launch-argument", cause, node.launched.place, fix, tuple(lost))
+        for (_, file), group in itertools.groupby(rows, key=attrgetter("number", "file")):
+            lost = {row.name: row for row in group}
+            is_shared = bool(file) and (len(lost) == 1 or users[file] > 1)
+            if not is_shared and _is_lost(lost.values(), last):
+                yield _none_counts([*lost.values()], last, node.launched.place)
 
 
-def _given_to(node: Started) -> Iterator[tuple[tuple[int, str], str, str, Any]]:
-    """Yield what a node is given, in order: number and path of the file, section, name and value.
+def _is_lost(given: Collection[_Given], last: Mapping[str, _Given]) -> bool:
+    """Return whether all values of an entry are replaced by others, of a single later entry of the other kind."""
+    ends = {(last[row.name].number, last[row.name].file) for row in given}
+    row = next(iter(given))
+    (number, file), *more = ends
+    is_other = number > row.number and bool(file) != bool(row.file)
+    return (
+        is_other
+        and not more
+        and all(str(one.value).lower() != str(last[one.name].value).lower() for one in given)
+    )
 
-    What a launch file gives between two files has one number, and no path.
+
+def _none_counts(given: Sequence[_Given], last: Mapping[str, _Given], place: str) -> Finding:
+    """Say that values do not count, because those that come after them do."""
+    names = tuple(row.name for row in given)
+    file, other = given[0].file, last[names[0]].file
+    shown, it = Path(file or other).name, "them" if len(names) > 1 else "it"
+    first = in_a_row([f"{row.name} is {row.value!r}" for row in given])
+    ends = in_a_row([repr(last[name].value) for name in names])
+    then = f"sets {it} to {ends}: the last value counts."
+    if file:
+        cause = f"{first} in {shown}, but the launch file, after it, {then}"
+        fix = f"give the node {shown} after these values, or without those that it should set"
+    else:
+        cause = f"{first} here, but {shown}, which comes after {it}, {then}"
+        fix = f"write {shown} first in parameters=[...], and the values that should win after it"
+    return Finding("launch-argument", cause, place, fix, names)
+
+
+@dataclass(frozen=True)
+class _Given:
+    """A value that a node is given.
+
+    Attributes:
+        number: of the file, or of all that a launch file gives between two files.
+        file: its path; empty for what a launch file gives.
+        section: the key of the file below which it stands.
     """
+
+    number: int
+    file: str
+    section: str
+    name: str
+    value: Any
+
+
+def _given_to(node: Started) -> Iterator[_Given]:
+    """Yield what a node is given, in order."""
     number = 0
     for before, given in itertools.pairwise(("", *node.launched.given)):
         number += isinstance(before, str) or isinstance(given, str)
         if isinstance(given, Mapping):
-            yield from (((number, ""), "/**", *row) for row in flat(given))
+            yield from (_Given(number, "", "/**", *row) for row in flat(given))
             continue
         for key, values in sections_in(read_text(Path(given))):
             if is_node(key, {node.name}):
-                yield from (((number, given), key, *row) for row in values.items())
+                yield from (_Given(number, given, key, *row) for row in values.items())
 
 
 def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:

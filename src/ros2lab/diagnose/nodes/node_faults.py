@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.code.called_back import CALLED_WITH, accepted, executed, named_in_body
@@ -151,21 +151,28 @@ def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     told |= set(hiding)
     yield from hiding.values()
     for node in walk(owner.definition):
-        if not is_self_attribute(node) or not isinstance(node, ast.Attribute) or node.attr in told:
+        if not isinstance(node, ast.Attribute) or not is_self_attribute(node) or node.attr in told:
             continue
-        hidden = owner.methods.get(node.attr) if isinstance(node.ctx, ast.Store) else None
-        is_hidden = hidden is not None and not hidden.decorator_list and node.attr not in properties
-        if is_hidden and (fault := hidden_method(owner, node)):
+        found: Finding | None = None
+        if isinstance(node.ctx, ast.Load):
+            if members is not None and node.attr not in members | asked:
+                what = "method" if id(node) in called else "attribute"
+                found = no_such_member(owner, node, what, members)
+        elif isinstance(node.ctx, ast.Store):
+            found = _assigned(owner, node, properties)
+            if node.attr in taken.keys() - own:
+                cause, fix = taken[node.attr]
+                found = found or Finding("node-property", cause, owner.source.at(node), fix)
+        if found:
             told.add(node.attr)
-            yield fault
-        if isinstance(node.ctx, ast.Store) and node.attr in taken.keys() - own:
-            told.add(node.attr)
-            cause, fix = taken[node.attr]
-            yield Finding("node-property", cause, owner.source.at(node), fix)
-        elif isinstance(node.ctx, ast.Load) and members is not None and node.attr not in members | asked:
-            told.add(node.attr)
-            what = "method" if id(node) in called else "attribute"
-            yield no_such_member(owner, node, what, members)
+            yield found
+
+
+def _assigned(owner: NodeClass, node: ast.Attribute, properties: Collection[str]) -> Finding | None:
+    """Return the finding about an attribute that hides a method of the class; None if it hides none."""
+    hidden = owner.methods.get(node.attr)
+    is_hidden = hidden is not None and not hidden.decorator_list and node.attr not in properties
+    return hidden_method(owner, node) if is_hidden else None
 
 
 def _creation_faults(sources: NodeSources, creation: Creation) -> Iterator[Finding]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -158,30 +158,33 @@ def file_faults(
         try:
             content = read_parameter_file(text)
         except ParameterFileError as error:
-            if BELOW in text or not is_other_yaml(text):
-                fault = unread_file(shown, text, error)
-                also = "".join(
-                    f"; {reader.shown} reads the file, too, as it is now" for reader in readers[:1]
-                )
-                yield replace(fault, fix=fault.fix + also)
+            yield from (
+                _unread(shown, text, error, readers) if BELOW in text or not is_other_yaml(text) else ()
+            )
             continue
         lines_of = _Lines(shown, text)
         if isinstance(content, Mapping) and BELOW in text:
             offered = {*names} - {*moved} | {*launched}
             own = {key: values for key, values in sections_of(content) if not is_node(key, others)}
             yield from _other_nodes(own, sources, names, offered, lines_of) if "" not in names else ()
-            is_octal = any(_OCTAL.search(source.text) for source in sources.sources.values())
-            written = written_values(text)
-            for value in (v for v in written if is_node(v.section, names) or "" in names):
-                beside = {other.name for other in written if other.section == value.section}
-                if not is_node(value.section, others):
-                    yield from _value_faults(value, beside, declared or {}, at(shown, value.line))
-                if value.octal and value.name in (declared or {}) and not is_octal:
-                    yield _octal(value, at(shown, value.line))
+            taken = [row for row in written_values(text) if is_node(row.section, names) or "" in names]
+            for value in (row for row in taken if not is_node(row.section, others)):
+                beside = {row.name for row in taken if row.section == value.section}
+                yield from _value_faults(value, beside, declared or {}, at(shown, value.line))
+            yield from _octals(taken, sources, declared or {}, shown)
             yield from _apart(content, full, lines_of)
             yield from replaced_values(shown, text)
         elif isinstance(content, Mapping):
             yield from _without_below(content, names, shown, lines_of)
+
+
+def _unread(
+    shown: str, text: str, error: ParameterFileError, readers: Sequence[PythonSource]
+) -> Iterator[Finding]:
+    """Yield why a file cannot be read as parameters, with a program that reads it, too."""
+    fault = unread_file(shown, text, error)
+    also = "".join(f"; {reader.shown} reads the file, too, as it is now" for reader in readers[:1])
+    yield replace(fault, fix=fault.fix + also)
 
 
 def _without_below(
@@ -303,13 +306,18 @@ def _value_faults(
 _OCTAL = re.compile(r"\b0o[0-7]|\b(?:chmod|umask)\(")  # code that may want an octal number
 
 
-def _octal(value: Written, place: str) -> Finding:
-    """Say that a number with a leading zero is not the one that it seems to be."""
-    first = value.octal[0]
-    cause = f"ROS reads {first} as {int(first, 8)}: a number that begins with 0 is octal."
-    right = re.sub(r"(?<![\w.+-])([-+]?)0+(?=[1-9]\d*(?![\w.]))", r"\1", value.short)
-    fix = f"write {value.name}: {right}, without the leading zero"
-    return Finding("parameter-octal", cause, place, fix)
+def _octals(
+    values: Iterable[Written], sources: NodeSources, declared: Collection[str], shown: str
+) -> Iterator[Finding]:
+    """Yield numbers with a leading zero, which are not the ones that they seem to be; none if the code may want them."""
+    if any(_OCTAL.search(source.text) for source in sources.sources.values()):
+        return
+    for value in (value for value in values if value.octal and value.name in declared):
+        first = value.octal[0]
+        cause = f"ROS reads {first} as {int(first, 8)}: a number that begins with 0 is octal."
+        right = re.sub(r"(?<![\w.+-])([-+]?)0+(?=[1-9]\d*(?![\w.]))", r"\1", value.short)
+        fix = f"write {value.name}: {right}, without the leading zero"
+        yield Finding("parameter-octal", cause, at(shown, value.line), fix)
 
 
 def is_misspelt(name: str, known: str) -> bool:

@@ -15,28 +15,33 @@ from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 
 def constructor_left_out(sources: NodeSources, owner: NodeClass) -> Finding | None:
     """Return the finding about a base class whose constructor a node never calls; None if all are called, or may be."""
-    texts = {name: ast.unparse(node) for name, node in zip(owner.bases, owner.definition.bases, strict=True)}
-    calls = [
-        n for n in calls_in(walk(owner.methods["__init__"])) if getattr(n.func, "attr", "") == "__init__"
-    ]
+    inside = calls_in(walk(owner.methods["__init__"]))
+    calls = [call for call in inside if getattr(call.func, "attr", "") == "__init__"]
     reached = {_reached(sources, owner, call) for call in calls}
-    if len(texts) < 2 or not calls or None in reached:
+    if len(owner.bases) < 2 or not calls or None in reached:
         return None
-    own = {name: sources.classes[name] for name in (owner.name, *texts) if name in sources.classes}
-    nodes = (n for inner in own.values() for n in walk(inner.definition) if is_self_attribute(n))
-    read = {n.attr for n in nodes if isinstance(n.ctx, ast.Load)} - owner.attributes
-    sets = {name: _sets(sources, name) or frozenset() for name in texts.keys() - reached}
-    left = [name for name in texts if (new := sets.get(name)) and (name not in own or new & read)]
+    left = [name for name in owner.bases if name not in reached and _is_missed(sources, owner, name)]
     if not left:
         return None
+    texts = dict(zip(owner.bases, map(ast.unparse, owner.definition.bases), strict=True))
     given = "".join(f", {ast.unparse(value)}" for value in (*calls[0].args, *calls[0].keywords))
     made = [name for name in texts if name in reached or name in left]
     each = [f"`{texts[name]}.__init__(self{given if name in NODE_CLASSES else ''})`" for name in made]
     old, there = ast.unparse(calls[0]), in_a_row([texts[name] for name in made if name not in left])
     cause = f"`{old}` runs only the constructor of {there}, which does not call that of {in_a_row([texts[name] for name in left])}."
-    return Finding(
-        "super-missing", cause, owner.source.at(calls[0]), f"write {in_a_row(each)} instead of `{old}`"
-    )
+    fix = f"write {in_a_row(each)} instead of `{old}`"
+    return Finding("super-missing", cause, owner.source.at(calls[0]), fix)
+
+
+def _is_missed(sources: NodeSources, owner: NodeClass, base: str | None) -> bool:
+    """Return whether a base class's constructor sets what is needed: of a class of one's own, what the classes read."""
+    sets = _sets(sources, base)
+    if not sets or base not in sources.classes:
+        return bool(sets)
+    own = [sources.classes[name] for name in (owner.name, *owner.bases) if name in sources.classes]
+    nodes = (n for inner in own for n in walk(inner.definition) if is_self_attribute(n))
+    read = {n.attr for n in nodes if isinstance(n.ctx, ast.Load)} - owner.attributes
+    return not sets.isdisjoint(read)
 
 
 def _reached(sources: NodeSources, owner: NodeClass, call: ast.Call) -> str | None:

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Iterator
 
 from ros2lab.assignments import Part
-from ros2lab.grading.evidence import GIVEN, CommandSeen
+from ros2lab.grading.evidence import GIVEN, CommandSeen, Run
 from ros2lab.grading.judging.by_type import owners_of
 from ros2lab.grading.judging.excuses import unused
 from ros2lab.grading.judging.player import PLAIN_SETTINGS, STAND_IN, Player, is_for_want, of_one_node, stamped
@@ -178,25 +178,31 @@ def _silenced_at(player: Player, commanded: Part | None) -> int | None:
     """Return the number of the command from which on nothing came any more of what came again and again before.
 
     What is asked for by time goes on whatever is said. What is not may stop at a command, and if it has stopped at
-    another word, any command may begin it again. What a word of the node's own does is its own. On the real clock,
-    commands may follow each other more quickly than messages.
+    another word, any command may begin it again. What a word of the node's own does is its own.
     """
     run = player.run
+    if commanded is None or player.topic in run.torn or not _is_heard_out(run, commanded):
+        return None
     heard = [topics[player.topic].count if player.topic in topics else 0 for topics in run.stretches]
     number = max((number for number, count in enumerate(heard) if count), default=0) - len(run.calls)
-    is_told = commanded is not None and run.commanded == commanded.topic and run.clock == "stepped"
-    is_whole = run.setting in PLAIN_SETTINGS and not run.given and not run.unfinished and not run.ended
-    if not is_told or not is_whole or number < 0 or max(heard) < 2 or player.topic in run.torn:
+    if number not in range(len(run.commands)) or max(heard) < 2:
         return None
-    assert commanded is not None
-    texts = [command.text for command in run.commands[number:]]
-    tried = {*commanded.commands, *commanded.unknown, *(word.upper() for word in commanded.commands)}
-    if not texts or (texts[0] not in tried and ", " not in texts[0]):
+    text, *after = (command.text for command in run.commands[number:])
+    ours = (*commanded.commands, *commanded.unknown, *(word.upper() for word in commanded.commands))
+    if number > 0 and text not in ours:  # the words that are said first are nobody's own
         return None
     if player.part.period:
-        return number if len(texts) >= LEAST_SILENT else None
-    is_for_good = texts[0] not in commanded.commands and {*commanded.commands} <= {*texts[1:]}
-    return number if is_for_good else None
+        return number if len(after) + 1 >= LEAST_SILENT else None
+    return number if text not in commanded.commands and {*commanded.commands} <= {*after} else None
+
+
+def _is_heard_out(run: Run, commanded: Part) -> bool:
+    """Return whether all commands were said and listened after, for as long as messages take.
+
+    On the real clock, commands may follow each other more quickly than messages.
+    """
+    is_told = run.commanded == commanded.topic and run.clock == "stepped" and not run.given
+    return is_told and run.setting in PLAIN_SETTINGS and not run.unfinished and not run.ended
 
 
 def missing(case: Case, part: Part) -> Answer:
