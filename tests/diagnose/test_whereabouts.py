@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,8 +12,10 @@ from test_layout import typed
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import Finding, of_text, of_workspace
+from ros2lab.diagnose.packaging.whereabouts import in_another_workspace, nowhere_seen
 from ros2lab.diagnose.sources.interfaces import INDEX
 
+NOBODY = 65534
 NOT_FOUND = "$ ros2 run kite_camera shutter\nPackage 'kite_camera' not found"
 
 
@@ -110,6 +114,28 @@ def test_a_package_of_another_workspace_is_told_where_it_is(tmp_path: Path) -> N
     assert told().endswith(f" source {root}/install/setup.bash")
     base.rename(tmp_path / "Basis")
     assert f"{base}/install, on which the workspace was built, is not there any more" in told()
+
+
+def test_folders_that_are_closed_are_passed_over() -> None:
+    """Those of other users beside the workspace, and what a link in it leads into."""
+    with tempfile.TemporaryDirectory() as folder:  # pytest's own is closed to others
+        home = Path(folder)
+        root = Files.right(NAMES[1]).write(home / "ws")
+        (home / "other/install/depth/share").mkdir(parents=True)
+        (root / "src/kite_camera").symlink_to(home / "other/kite")
+        of_text(NOT_FOUND, root)  # imports all, which may be closed to others, too
+        home.chmod(0o755)
+        (home / "other").chmod(0)
+        is_root = os.geteuid() == 0
+        try:
+            os.setresuid(NOBODY, NOBODY, 0) if is_root else None
+            linked, other = nowhere_seen(root, "kite_camera"), in_another_workspace(root, "depth")
+        finally:
+            os.setresuid(0, 0, 0) if is_root else None
+            (home / "other").chmod(0o755)
+    assert other is None
+    assert linked
+    assert "src/kite_camera is a link to " in linked.cause
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def _below(folder: Path) -> Iterator[Path]:
 
 def _why_unseen(path: Path, place: str) -> tuple[str, str]:
     """Return what keeps colcon from seeing a package in a file or a folder, and how to fix it."""
-    if path.is_symlink() and not path.exists():
+    if path.is_symlink() and not os.path.exists(path):  # noqa: PTH110 -- False where pathlib raises
         again = "put the package, or a link to where it is now, in its place, and build again"
         return f"is a link to {path.readlink()}, which is not there", f"rm {quote(place)}, {again}"
     if path.is_file():
@@ -84,11 +84,12 @@ def in_another_workspace(root: Path, name: str) -> Finding | None:
     if home := next((prefix for prefix in below if _holds(prefix, name)), None):
         cause = f"{name} is in {home}, which install/setup.bash sources, too; this terminal has sourced only install/local_setup.bash, or nothing."
         return Finding("not-sourced", cause, "", f"source {setup}")
-    if gone := next((prefix for prefix in below if not prefix.is_dir()), None):
-        cause = f"{name} is neither in this workspace nor in ROS, and {gone}, on which the workspace was built, is not there any more."
+    if gone := next((prefix for prefix in below if not os.access(prefix, os.R_OK | os.X_OK)), None):
+        cause = f"{name} is neither in this workspace nor in ROS, and {gone}, on which the workspace was built, is not there any more, or closed to you."
         fix = f"source the setup.bash of that workspace where it is now, run colcon build again here, and source {setup}"
         return Finding("not-sourced", cause, "", fix)
-    beside = (folder / "install" for folder in sorted(root.parent.glob("*")) if folder != root)
+    others = sorted(folder for folder in root.parent.glob("*") if folder != root)
+    beside = (folder / "install" for folder in others if os.access(folder, os.R_OK | os.X_OK))
     if home := next((prefix for prefix in beside if _holds(prefix, name)), None):
         where = f"another workspace, {home.parent}, which this terminal has not sourced"
         fix = f"source {quote(f'{home}/setup.bash')}, run colcon build here, and source {setup}"
@@ -97,7 +98,9 @@ def in_another_workspace(root: Path, name: str) -> Finding | None:
 
 
 def _holds(prefix: Path, name: str) -> bool:
-    """Return whether a package or a Python module is installed below a prefix."""
+    """Return whether a package or a Python module is installed below a prefix, as far as that may be read."""
+    if not os.access(prefix, os.R_OK | os.X_OK):
+        return False
     homes = [prefix, *(folder for folder in prefix.glob("*") if folder.is_dir())]
     folders = [folder for home in homes for folder in site_packages(home)]
     is_module = any((folder / end).exists() for folder in folders for end in (name, f"{name}.py"))
