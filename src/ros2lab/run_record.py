@@ -22,7 +22,8 @@ class _Stretch(NamedTuple):
 
     Attributes:
         text: the command with which it begins; None for the first one.
-        begin: when that was, in s of `time.monotonic()`.
+        begin: when that was, in s of `time.time()`, by which messages say when they were published: one that
+            comes late, or by another subscription later, belongs where it was published.
         printed: by program, how much of its output came before.
     """
 
@@ -69,12 +70,12 @@ class RunRecord:
                     self.logs[topic] = None
 
     def begin(self, command: str, topic: str) -> None:
-        """Take what comes from now on for what follows a command, which is said next, on a topic."""
+        """Take what is published from now on for what follows a command, which is said next, on a topic."""
         self.listen()
         self._commanded = topic
         self._alive.append(self._are_alive())
         printed = {program.executable: len(program.output) for program in self._programs}
-        self._stretches.append(_Stretch(command, time.monotonic(), printed))
+        self._stretches.append(_Stretch(command, time.time(), printed))
 
     def ends(self) -> dict[str, str]:
         """Return the last words of each program that has ended, by its name."""
@@ -111,7 +112,7 @@ class RunRecord:
         return all(program.is_running for program in self._programs)
 
     def _number(self, when: float) -> int:
-        """Return the number of the stretch in which something came."""
+        """Return the number of the stretch in which something was published."""
         return sum(stretch.begin <= when for stretch in self._stretches) - 1
 
     def _heard(self) -> list[dict[str, Heard]]:
@@ -119,8 +120,8 @@ class RunRecord:
         found: list[dict[str, Heard]] = [{} for _ in self._stretches]
         publishers = self._domain.publishers()
         for topic, log in self.logs.items():
-            samples = log.samples() if log else []
-            for number, group in itertools.groupby(samples, lambda sample: self._number(sample.time)):
+            samples = sorted(log.samples() if log else [], key=lambda sample: sample.published)
+            for number, group in itertools.groupby(samples, lambda sample: self._number(sample.published)):
                 came = [*group]
                 found[number][topic] = Heard(
                     type_name=self._types[topic],
@@ -140,9 +141,10 @@ class RunRecord:
         """Return by stretch what was logged, and what was printed besides, as [level, text]."""
         found: list[list[list[str]]] = [[] for _ in self._stretches]
         known: set[str] = set()
-        for line, when in ((sample.message, sample.time) for sample in self.lines.samples()):
+        for sample in self.lines.samples():
+            line = sample.message
             known.update(line.msg.splitlines())
-            found[self._number(when)].append([LEVELS.get(line.level, str(line.level)), line.msg])
+            found[self._number(sample.published)].append([LEVELS.get(line.level, str(line.level)), line.msg])
         for program in self._programs:
             output, name = program.output, program.executable
             begins = [stretch.printed.get(name, 0) for stretch in self._stretches]
