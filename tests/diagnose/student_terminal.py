@@ -81,7 +81,7 @@ def type_in(
         folder: where.
         environ: the terminal's variables.
         elsewhere: what is started in another terminal as soon as this one has sourced its workspace.
-        until: a pattern after which Ctrl-C is typed, once it is on the screen.
+        until: a pattern after which Ctrl-C is typed, once it and the last command are on the screen.
         bound: whether root, too, may write only where it owns the folder.
     """
     with tempfile.TemporaryDirectory() as place:
@@ -101,7 +101,7 @@ def type_in(
         script.write_text("\n".join(lines))
         is_bound = bound and os.geteuid() == 0
         shell = ["setpriv", "--bounding-set=-dac_override", "bash"] if is_bound else ["bash"]
-        _run([*shell, str(script)], folder, environ, lambda: bool(until) and _is_there(until, text))
+        _run([*shell, str(script)], folder, environ, lambda: bool(until) and _is_there(until, text, commands[-1]))
         pairs = variables.read_text(errors="replace").split("\0") if variables.exists() else []
         after = dict(pair.split("=", 1) for pair in pairs if "=" in pair)
         return Screen(text.read_text(errors="replace"), after or environ)
@@ -110,8 +110,10 @@ def type_in(
 _SUDO = 'sudo() { "$@"; }; export USER=$(id -un)'
 
 
-def _is_there(pattern: str, path: Path) -> bool:
-    return path.exists() and bool(re.search(pattern, path.read_text(errors="replace"), re.MULTILINE))
+def _is_there(pattern: str, path: Path, last: str) -> bool:
+    """Return whether a pattern is on the screen, and the last command has been typed."""
+    text = path.read_text(errors="replace") if path.exists() else ""
+    return f"$ {last}\n" in text and bool(re.search(pattern, text, re.MULTILINE))
 
 
 def _typed(command: str, is_awaited: bool) -> str:

@@ -111,6 +111,7 @@ def test_a_warning_of_ones_own_code_is_known_by_its_words(root: Path) -> None:
         (f"{LICENSE}$ ros2 topic eco /robot/status\nros2 topic: error: argument: invalid choice: 'eco' (choose from 'echo', 'hz')\n", "typed-wrong", "echo"),
         # What tools warn of, and what is known of it.
         ("$ colcon build --packages-select my_bto\n[0.5s] WARNING:colcon.colcon_core.package_selection:ignoring unknown package 'my_bto' in --packages-select\n\nSummary: 0 packages finished [0.1s]\n", "typed-wrong", "my_bot"),
+        ("$ colcon build --packages-select my_bto\n[0.5s] WARNING:colcon.colcon_core.package_selection:ignoring unknown package 'my_bto' in --packages-select\n\nSummary: 0 packages finished [0.1s]\n$ ros2 run my_bot status\ntimeout: failed to run command\n", "typed-wrong", "type `colcon build --packages-select my_bot`"),
     ],
 )  # fmt: skip
 def test_what_did_not_is_told(text: str, code: str, said: str, root: Path) -> None:

@@ -52,7 +52,7 @@ from ros2lab.diagnose.mending.repairs import tried, worth_typing
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, own_frames, read_error
 from ros2lab.diagnose.printed.jobs import frozen_faults
 from ros2lab.diagnose.printed.spots import is_setup, place_of, spot_at
-from ros2lab.diagnose.printed.transcript import LABELLED, Step, step_with
+from ros2lab.diagnose.printed.transcript import LABELLED, Step, is_complaint, step_with
 from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.calls import call_faults
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
@@ -264,9 +264,9 @@ def _with_command(found: list[Finding], error: ErrorText, known: list[Finding], 
 
 
 def _did_well(step: Step) -> bool:
-    """Return whether the output of a command shows that it succeeded."""
+    """Return whether the output of a command shows that it succeeded, and complains of nothing."""
     is_told = any(meaning.pattern.search(line) for meaning in MEANINGS for line in step.lines)
-    return step.is_answered and not is_told
+    return not (is_told or any(map(is_complaint, step.lines))) and step.is_answered
 
 
 def _checked(error: ErrorText, known: list[Finding], look: Look) -> list[Finding]:
