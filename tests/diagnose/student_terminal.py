@@ -101,7 +101,12 @@ def type_in(
         script.write_text("\n".join(lines))
         is_bound = bound and os.geteuid() == 0
         shell = ["setpriv", "--bounding-set=-dac_override", "bash"] if is_bound else ["bash"]
-        _run([*shell, str(script)], folder, environ, lambda: bool(until) and _is_there(until, text, commands[-1]))
+        _run(
+            [*shell, str(script)],
+            folder,
+            environ,
+            lambda: bool(until) and _is_there(until, text, commands[-1]),
+        )
         pairs = variables.read_text(errors="replace").split("\0") if variables.exists() else []
         after = dict(pair.split("=", 1) for pair in pairs if "=" in pair)
         return Screen(text.read_text(errors="replace"), after or environ)
