@@ -133,6 +133,18 @@ def test_what_is_launched_may_say_it_otherwise_or_not_at_all() -> None:
         assert told_by_place(PART, [alone, again], {}) == set()
 
 
+def test_an_answer_may_be_missing_where_a_program_has_ended() -> None:
+    """The node of the commands dies of an unknown word; another node goes on to say in which state it began."""
+    alone = _run(tell_state(), SCRIPT.all, "alone")
+    ended = _run(lambda _: ([], []), AGAIN, "launched")
+    first, *others = ended.commands
+    said_on = replace(first, log=[["INFO", "the robot is idle"]], is_alive=False)
+    ended = replace(ended, commands=[said_on, *(replace(one, is_alive=False) for one in others)])
+    begun = replace(alone, log=[["INFO", "the robot is idle"]])
+    assert told_by_place(PART, [begun, ended], {}) == set()
+    assert told_by_place(PART, [alone, ended], {}) == {"stop", "reset"}  # if nobody says so before
+
+
 def test_a_story_earns_nothing_for_commands() -> None:
     """Neither that they are processed, nor that they are logged."""
     points = []

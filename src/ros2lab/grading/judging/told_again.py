@@ -27,11 +27,12 @@ def told_by_place(part: Part, runs: Collection[Run], alone: Mapping[str, Heard])
     """
     first = [_Said(part, run, alone) for run in runs if not _before(part, run)]
     again = [_Said(part, run, alone) for run in runs if _before(part, run)]
+    by_itself = {("", line) for run in runs for line in reactions.said_by_itself(run)}
     return {
         word
         for word in part.commands
         if (answers := set[Answer]().union(*(said.answers(word) for said in first)))
-        and any(said.is_elsewhere(word, answers) for said in again)
+        and any(said.is_elsewhere(word, answers, by_itself) for said in again)
     }
 
 
@@ -72,14 +73,18 @@ class _Said:
         lines = {("", line) for line in self._telling[word]}
         return lines | {(topic, sense) for topic, sense in changes if topic != self._part.topic}
 
-    def is_elsewhere(self, word: str, answers: Collection[Answer]) -> bool:
+    def is_elsewhere(self, word: str, answers: Collection[Answer], by_itself: Collection[Answer]) -> bool:
         """Return whether some of these answers followed the words before, and none of them the command.
 
         If nothing follows the command, its answer may come late, with the next one. Topics that are published
-        repeatedly count only if they change.
+        repeatedly count only if they change. Where a program has ended by then, it may be the one that would
+        have answered: then what also came by itself tells nothing.
         """
         number = self._numbers.get(word)
-        if number is None or self._early.isdisjoint(answers):
+        if number is None:
+            return False
+        is_alive = self._run.commands[number].is_alive
+        if (self._early if is_alive else self._early.difference(by_itself)).isdisjoint(answers):
             return False
         return (self._after(number) or self._after(number + 1)).isdisjoint(answers)
 
