@@ -17,7 +17,7 @@ from ros2lab.grading.reading.described import code_of
 from ros2lab.grading.receiving.clean_copy import CHUNK, opened
 from ros2lab.grading.receiving.submission import MOST_SOURCE, FoundPackage, Submission
 
-LONGEST_README = 20_000  # characters
+LONGEST_README = 200_000  # characters
 MOST_RECORDINGS = 10
 LEAST_RECORDING = 40  # bytes, packed
 MOST_NAMES = 20
