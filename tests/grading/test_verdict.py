@@ -672,6 +672,18 @@ def test_what_is_said_all_the_time_is_no_answer_to_capitals(rubric: Rubric) -> N
     assert judged(evidences.runs(run)(right()), rubric, "command_subscriber.commands").points == 0
 
 
+def test_words_that_are_only_spelt_otherwise_count_as_capitals_do(rubric: Rubric) -> None:
+    spelt = [word.capitalize() for word in WORDS]
+    run = with_state(lambda text, _: heard(text if text in spelt else "no command"))
+    own = [replace(run.commands[0], text=word, log=[["INFO", f"{word}: done"]]) for word in spelt]
+    seen = evidences.files(compared=spelt)(
+        evidences.runs(replace(run, commands=[*run.commands, *own]))(right())
+    )
+    one = judged(seen, rubric, "command_subscriber.commands")
+    assert one.points == one.max / 2, one.reason
+    assert "the node obeys Reset, Start and Stop" in one.reason
+
+
 @pytest.mark.parametrize("kind", ["topic", "velocity", "parameter", "log"])
 def test_what_is_another_after_the_commands_alone_tells_them_apart(rubric: Rubric, kind: str) -> None:
     answers = {"start": "a", "stop": "b", "reset": "c"}

@@ -226,8 +226,8 @@ def test_the_words_of_a_node_are_its_own_where_the_commands_are_not_known() -> N
     assert part is not None
     assert course.with_own_words(["go", *part.commands]) is course
     theirs = course.with_own_words(
-        ["__main__", "", "2", "Start", "dance", "go", "halt", "left", "right", "up"]
+        ["__main__", "", "2", "Start", "START", "dance", "go", "halt", "left", "right", "up"]
     )
     assert theirs.commanded is not None
-    assert theirs.commanded.own == ("go", "halt", "left", "right")
+    assert theirs.commanded.own == ("Start", "go", "halt", "left")
     assert Assignment.of_plain(json.loads(json.dumps(theirs.plain()))) == theirs

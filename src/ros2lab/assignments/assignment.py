@@ -176,8 +176,8 @@ class Assignment:
         part, texts = self.commanded, [*dict.fromkeys(compared)]
         if part is None or {*part.commands} <= {*texts}:
             return self
-        known = {text.lower() for text in (*part.commands, *part.unknown)}
-        own = [text for text in texts if _OWN_WORD.fullmatch(text) and text.lower() not in known]
+        sent = {*part.commands, *part.unknown, part.commands[0].upper()}
+        own = [text for text in texts if _OWN_WORD.fullmatch(text) and text not in sent]
         return replace(self, parts={**self.parts, part.name: replace(part, own=tuple(own[:MOST_OWN_WORDS]))})
 
     def with_coined_words(self, hand_in: str, compared: Iterable[str] = ()) -> Assignment:

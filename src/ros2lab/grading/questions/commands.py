@@ -38,12 +38,12 @@ VERY_MANY = "very many commands"
 SLOW = "A node is slow to answer"  # the beginning of a run's note
 FLOOD = " x "  # part of the observer's name for them
 
-_SAID = {"unprocessed": "", "why": "", "so": "", "own": "", "besides": "", "fallback": ""}
+_SAID = dict.fromkeys(("unprocessed", "why", "so", "own", "besides", "fallback", "spelling"), "")
 
 
 @question(
     "all mixed told_apart until_end two one own_words echoed inverted capitals none untried written missing",
-    "unprocessed why so own besides fallback",
+    "unprocessed why so own besides fallback spelling",
     nodes.CODES,
     mute="none untried",
     deeds=COMPARES,
@@ -77,6 +77,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         "own": listed(own),
         "besides": f", but something does follow {listed(own)}" if own else "",
         "fallback": shown(next(iter(mixed.values()), "").replace("{}", "…")),
+        "spelling": listed(_spelt_otherwise(part, own) or [part.commands[0].upper()]),
     }
     best = max(told.effects, key=lambda number: [*told.effects[number].values()].count("processed"))
     return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
@@ -90,12 +91,17 @@ def _processed(case: Case, part: Part, runs: Sequence[Run], told: Told, own: Seq
         return "told_apart" if told.believed else "until_end"
     if told.processed:
         return "inverted" if _is_inverted(case, part) else _level_of(count, part)
-    if any(_obeys_capitals(part, run, unprompted(case)) for run in runs):
+    if _spelt_otherwise(part, own) or any(_obeys_capitals(part, run, unprompted(case)) for run in runs):
         return "capitals"
     if own and not known:
         return "own_words"
     is_echo = not known and words_of(told.effects, "echoed") and not compares_in_vain(case)
     return "echoed" if is_echo else _level_of(count, part)
+
+
+def _spelt_otherwise(part: Part, own: Iterable[str]) -> list[str]:
+    """Return a node's own words that are commands but for their capitals and the spaces around them."""
+    return [word for word in own if word.strip().lower() in part.commands]
 
 
 def _own_words(
