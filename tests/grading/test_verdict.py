@@ -672,6 +672,13 @@ def test_what_is_said_all_the_time_is_no_answer_to_capitals(rubric: Rubric) -> N
     assert judged(evidences.runs(run)(right()), rubric, "command_subscriber.commands").points == 0
 
 
+@pytest.mark.parametrize(("level", "said"), [("PRINT", "A printed line"), ("INFO", "A line in the log")])
+def test_what_is_printed_is_not_called_logged(rubric: Rubric, level: str, said: str) -> None:
+    seen = evidences.runs(evidences.command_run(level=level))(right())
+    one = judged(seen, rubric, "command_subscriber.log")
+    assert (one.points, one.reason) == (one.max, f"{said} tells of each command.")
+
+
 def test_words_that_are_only_spelt_otherwise_count_as_capitals_do(rubric: Rubric) -> None:
     spelt = [word.capitalize() for word in WORDS]
     run = with_state(lambda text, _: heard(text if text in spelt else "no command"))

@@ -136,14 +136,14 @@ def _keys_of(part: Part, number: int, run: Run) -> tuple[str, ...]:
 
 @question(
     "all until_end some unspecific none untried missing",
-    "silent told why",
+    "silent told why line",
     nodes.CODES | {"logger-arguments"},
     mute="none untried",
     deeds=LOGS,
 )
 def commands_are_logged(case: Case, part: Part) -> Answer:
     """Whether a logged or printed line tells of each command, or of own words of the node instead."""
-    seen = {"silent": "", "told": "each command", "why": ""}
+    seen = {"silent": "", "told": "each command", "why": "", "line": "A line in the log"}
     players = case.players[part.name]
     if not players:
         return Answer("missing", seen, ("runs",))
@@ -152,6 +152,8 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
         seen["why"] = _untried(players[0])
         return Answer("untried", seen, (players[0].key,), shown(players[0].node))
     runs = [player.run for player in telling]
+    if all(level == "PRINT" for run in runs for command in run.commands for level, _ in command.log):
+        seen["line"] = "A printed line"
     logged = {word for run in runs for word in _logged(part, run)}
     every = [player.run for player in players if player.commands]
     logged -= told_by_place(part, every, unprompted(case))
