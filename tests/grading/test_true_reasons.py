@@ -13,10 +13,11 @@ import pytest
 from evidences import COMMAND, SCRIPT, STATUS, STRING, TWIST, VELOCITY
 
 from ros2lab.grading.building import programs
-from ros2lab.grading.evidence import OWN_CLOCK, CommandSeen, Evidence, Run, WrittenEnd
+from ros2lab.grading.evidence import CommandSeen, Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Judgement
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
+from ros2lab.grading.watching import OWN_CLOCK
 
 
 def judged(evidence: Evidence, criterion: str) -> Judgement:

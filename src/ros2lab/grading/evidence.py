@@ -21,7 +21,6 @@ Way = Literal["installed", "module", "script"]
 KEYBOARD = "a keyboard"  # which nobody uses during grading
 # The beginnings of what is said of a package that is built, or passed over, as one of another type.
 OTHER_TYPE = ("colcon does not take it for an ament_python package", "colcon lists it as ")
-OWN_CLOCK = "The submission publishes /clock itself."  # a note of a run
 NO_WORD = "colcon ended without an error, and nothing was installed."  # as the error of a build
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 

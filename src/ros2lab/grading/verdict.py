@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Part
-from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, OWN_CLOCK, Build, Evidence, Run
+from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.judging.leftovers import case_of
 from ros2lab.grading.judging.player import Player, deadly_in, is_for_want
@@ -21,6 +21,7 @@ from ros2lab.grading.questions.nodes import OF_TYPE, missing
 from ros2lab.grading.reading.unread import NO_FAULT, as_far_as_possible
 from ros2lab.grading.receiving.notes import first_of
 from ros2lab.grading.rubric import BONUS, Rubric
+from ros2lab.grading.watching import OWN_CLOCK
 
 LONGEST_FAULT = 500  # characters of what a diagnosis says
 NO_RECORDING = "no picture, film or log was handed in"

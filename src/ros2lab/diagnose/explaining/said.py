@@ -16,6 +16,7 @@ from shlex import quote
 
 from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.causes.python_says import of_error
+from ros2lab.diagnose.explaining.ros_1_tools import ROS_1_TOOLS
 from ros2lab.diagnose.explaining.started_files import of_interpreter, of_line_ends
 from ros2lab.diagnose.explaining.there_already import existing_folder, of_existing
 from ros2lab.diagnose.explaining.warnings_told import of_warning
@@ -56,14 +57,6 @@ _SENTENCE = re.compile(
     r"|error|ignoring unknown|not a|no matching)\b",
     re.IGNORECASE,
 )
-ROS_1_TOOLS = {
-    **{
-        f"ros{verb}": f"ros2 {verb}"
-        for verb in ("run", "launch", "topic", "node", "param", "service", "bag", "pkg")
-    },
-    **{"rosmsg": "ros2 interface", "rossrv": "ros2 interface", "roscore": "nothing (ROS 2 needs no master)"},
-    **{"catkin_make": "colcon build", "roscd": "cd", "catkin": "colcon"},
-}
 _SAY_NOTHING = frozenset(("KeyboardInterrupt", "SystemExit", "CheckError", "TerminalError"))
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "__pycache__"))
 

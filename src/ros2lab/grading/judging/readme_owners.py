@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import PurePosixPath
 from typing import Literal
 
-from ros2lab.diagnose.explaining.said import ROS_1_TOOLS
+from ros2lab.diagnose.explaining.ros_1_tools import ROS_1_TOOLS
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.spelling import has_other_words, is_near_miss, words_of
 from ros2lab.grading.evidence import Executable

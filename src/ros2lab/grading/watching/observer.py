@@ -19,8 +19,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from ros2lab.assignments import Assignment
-from ros2lab.grading.evidence import OWN_CLOCK
-from ros2lab.grading.watching import ends
+from ros2lab.grading.watching import OWN_CLOCK, ends
 from ros2lab.grading.watching.ear import TEXT, gaps
 from ros2lab.grading.watching.given import Given
 from ros2lab.grading.watching.quiet import STEP, Quiet, silent_after, too_little

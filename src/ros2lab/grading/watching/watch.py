@@ -18,8 +18,7 @@ from portable_ros2.messages import fill
 from ros2lab import every_node
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
-from ros2lab.grading.evidence import OWN_CLOCK
-from ros2lab.grading.watching import ends
+from ros2lab.grading.watching import OWN_CLOCK, ends
 from ros2lab.grading.watching.ear import ITEMS, TEXT, Ear, plain
 from ros2lab.grading.watching.participants import Participants
 from ros2lab.grading.watching.script import topic_for
