@@ -323,6 +323,27 @@ def test_what_no_program_uses_is_not_what_tests_are_about(tmp_path: Path, built:
     assert (found["passed"], found["failed"], found["is_noticed"]) == (1, 0, False), found
 
 
+def test_what_did_not_run_on_the_broken_copy_is_not_run_again(
+    tmp_path: Path, built: Build, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The quickest file notices: the others, which may take minutes, have told all that they can."""
+    write(tmp_path / "pk", NOTICING["a function"])
+    (tmp_path / "pk/test/test_long.py").write_text("import time\n\ndef test_it():\n    time.sleep(1)\n")
+    given, real = list[list[str]](), own_tests.OwnTests._try
+
+    def noted(tests: OwnTests, *words: Any) -> Any:
+        given.append([*words[2]])
+        return real(tests, *words)
+
+    monkeypatch.setattr(own_tests.OwnTests, "_try", noted)
+    files = ["pk/test/test_long.py", "pk/test/test_speeds.py"]
+    with World(tmp_path, shown=SHOWN) as world:
+        found = OwnTests(tmp_path, "pk", files).run(world, built)
+    assert (found["passed"], found["is_noticed"]) == (2, True), found
+    both = ["test/test_speeds.py", "test/test_long.py"]
+    assert given == [both[::-1], both, both[:1]]
+
+
 def test_what_time_decides_is_not_noticed(
     tmp_path: Path, built: Build, monkeypatch: pytest.MonkeyPatch
 ) -> None:

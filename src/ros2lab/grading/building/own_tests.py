@@ -36,9 +36,9 @@ KINDS = ("passed", "failed", "skipped")
 LONGEST_ANSWER = 10_000  # bytes
 
 # Runs pytest, and writes its counts to the socket on standard input, with the indices of the files, the
-# quickest first. It starts in Python's isolated mode, so that a pytest.py or a sitecustomize.py of the
-# submission does not shadow the real one. A test that takes longer than the first argument, in s, ends it
-# without an answer; 0 means no limit.
+# quickest first, and how many files there are up to the one with the first failure. It starts in Python's
+# isolated mode, so that a pytest.py or a sitecustomize.py of the submission does not shadow the real one. A
+# test that takes longer than the first argument, in s, ends it without an answer; 0 means no limit.
 _RUNNER = """
 import collections, json, os, signal, sys, time
 answer = os.dup(0)
@@ -49,6 +49,7 @@ class Counter:
     def __init__(self):
         self.counts = {'passed': 0, 'failed': 0, 'skipped': 0, 'longest': 0.0}
         self.files = collections.Counter()
+        self.failed = set()
     def pytest_runtest_logstart(self):
         signal.setitimer(signal.ITIMER_REAL, float(sys.argv[1]))
         self.begin = time.monotonic()
@@ -58,15 +59,20 @@ class Counter:
         self.files[nodeid.partition('::')[0]] += seconds
     def pytest_runtest_logreport(self, report):
         if not hasattr(report, 'wasxfail') and (report.when == 'call' or not report.passed):
-            self.counts[report.outcome] += 1
+            self.count(report)
     def pytest_collectreport(self, report):
         if not report.passed:
-            self.counts[report.outcome] += 1
+            self.count(report)
+    def count(self, report):
+        self.counts[report.outcome] += 1
+        if report.failed:
+            self.failed.add(report.nodeid.partition('::')[0])
 counter, files = Counter(), sys.argv[2:]
 pytest.main(['-qx', '-p', 'no:cacheprovider', '--tb=no', '-c', os.devnull, '--rootdir=.', *files], [counter])
 order = sorted(range(len(files)), key=lambda number: counter.files[files[number]])
+failing = next((number for number, file in enumerate(files, 1) if file in counter.failed), len(files))
 sys.stdout.flush()
-os.write(answer, json.dumps({**counter.counts, 'order': order}).encode())
+os.write(answer, json.dumps({**counter.counts, 'order': order, 'failing': failing}).encode())
 os._exit(0)
 """
 
@@ -114,12 +120,16 @@ class OwnTests:
             if result["passed"] and not result["failed"]:
                 patience = trial.longest + PATIENCE
 
-                def is_failed(kind: str) -> bool:
-                    counts = self._try(world, built, trial.files, patience, kind).counts
-                    return bool(not counts["passed"] or counts["failed"])
-
-                result["is_noticed"] = any(map(is_failed, spoiler.SPOILERS)) and not is_failed(
-                    spoiler.HARMLESS
+                broken = (self._try(world, built, trial.files, patience, kind) for kind in spoiler.SPOILERS)
+                noticed = next(
+                    (each for each in broken if each.has_failed or not each.counts["passed"]), None
+                )
+                # What ran before the failure is run again, too, but nothing after it.
+                result["is_noticed"] = (
+                    noticed is not None
+                    and not self._try(
+                        world, built, trial.files[: noticed.failing], patience, spoiler.HARMLESS
+                    ).has_failed
                 )
                 result["is_unfinished"] = time.monotonic() > self._until
         except ValueError as reason:  # a build may leave anything behind
@@ -147,11 +157,18 @@ class _Trial:
         counts: as `OwnTests.run` returns them.
         longest: how long the longest test took, in s; 0 if the number cannot be true.
         files: the test files, the quickest first, so that those that wait in vain come last.
+        failing: how many files were given up to the one with the first failure; all if that is not known.
     """
 
     counts: dict[str, Any]
     longest: float
     files: Sequence[str]
+    failing: int
+
+    @property
+    def has_failed(self) -> bool:
+        """Whether a test has failed, or nothing could be counted."""
+        return bool(self.counts["failed"]) or not any(self.counts[kind] for kind in KINDS)
 
 
 def _spoil(world: World, files: Mapping[str, Sequence[int]], kind: str) -> None:
@@ -194,13 +211,14 @@ def _run(
                 limits=limits,
             )
         box.wait()
-        counts, longest, order = dict.fromkeys(KINDS, 0), 0.0, list[int]()
+        counts, longest, order, failing = dict.fromkeys(KINDS, 0), 0.0, list[int](), len(files)
         with contextlib.suppress(
             ValueError, TypeError, LookupError, ArithmeticError, RecursionError, OSError
         ):
             said = json.loads(ours.recv(LONGEST_ANSWER, socket.MSG_DONTWAIT))
             counts, longest = {kind: int(said[kind]) for kind in KINDS}, float(said["longest"])
             order = [*map(int, said["order"])]
+            failing = int(said["failing"])
     lines = box.output.strip().splitlines() or ["it said nothing"]
     error = "" if any(counts.values()) else box.cut or lines[-1]
     if counts["failed"]:
@@ -209,4 +227,5 @@ def _run(
         {**counts, "error": error[:300]},
         longest if 0 < longest < LIMITS.wall_s else 0.0,
         [files[number] for number in order] if sorted(order) == [*range(len(files))] else files,
+        failing if 0 < failing <= len(files) else len(files),
     )
