@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import itertools
 import math
 import warnings
@@ -300,9 +301,23 @@ _OUTER = (ast.Global, ast.Nonlocal)
 _BUILTINS = {"str", "int", "float", "bool", "dict", "list", "tuple", "bytes", "len", "round", "super"}
 
 
-def read_source(path: Path, name: str, shown: str) -> PythonSource:
+class LibrarySource(PythonSource):
+    """A Python file of a library, which works: its tree has no marks, and nothing is said of it."""
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        """The parsed file; empty if this Python cannot parse it."""
+        with warnings.catch_warnings(), contextlib.suppress(SyntaxError, ValueError, RecursionError):
+            warnings.simplefilter("ignore")
+            tree = self.parsed()
+            bound(tree)
+            return tree
+        return ast.Module([], [])
+
+
+def read_source(path: Path, name: str, shown: str, kind: type[PythonSource] = PythonSource) -> PythonSource:
     """Read a Python file; one that cannot be read counts as empty."""
-    return PythonSource(name, shown, read_text(path), path.name == "__init__.py", path)
+    return kind(name, shown, read_text(path), path.name == "__init__.py", path)
 
 
 def read_text(path: Path) -> str:

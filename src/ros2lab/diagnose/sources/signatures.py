@@ -12,7 +12,13 @@ from functools import lru_cache
 from pathlib import Path
 
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, parameters, read_source
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    LibrarySource,
+    PythonSource,
+    parameters,
+    read_source,
+)
 from ros2lab.diagnose.sources.syntax_parts import all_parameters, defaults_of
 
 _DEEPEST = 5  # modules that re-export a name, and levels of base classes
@@ -252,4 +258,4 @@ def _module(name: str) -> PythonSource | None:
     folder = of_python or interfaces.folder_of(package)
     path = folder.joinpath(*rest) if folder else Path("-")
     file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
-    return read_source(file, name, str(file)) if file.is_file() else None
+    return read_source(file, name, str(file), LibrarySource) if file.is_file() else None

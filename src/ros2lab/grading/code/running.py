@@ -10,18 +10,24 @@ While a program lives, less of it runs: what names may hold closes branches, too
 from __future__ import annotations
 
 import ast
+import itertools
 from collections import defaultdict
 from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
 from ros2lab.grading.code.failing import Failing
 from ros2lab.grading.code.own_messages import Messages
 from ros2lab.grading.code.paths import Paths
 from ros2lab.grading.code.possible import Facts, Possible
 
 MOST_ROUNDS = 12  # in each, code found to run assigns values that may let more code run
+# Expressions all of whose parts are evaluated, and what these are marked with.
+_WHOLE = (
+    ast.Name, ast.Attribute, ast.Constant, ast.Call, ast.BinOp, ast.UnaryOp, ast.Compare, ast.Subscript, ast.List,
+    ast.Tuple, ast.JoinedStr, ast.FormattedValue, ast.expr_context, ast.operator, ast.unaryop, ast.cmpop,
+)  # fmt: skip
 _BY_NAME = frozenset(("getattr", "globals", "vars", "eval", "exec"))  # what finds functions by strings
 
 Definition = Function | ast.ClassDef | ast.Dict
@@ -152,6 +158,9 @@ def _pieces(paths: Paths, source: PythonSource, piece: ast.AST) -> Iterator[ast.
     waiting: list[tuple[ast.AST, Facts]] = [(piece, ())]
     while waiting:
         node, facts = waiting.pop()
+        if whole := _whole(node):
+            yield from whole
+            continue
         yield node
         for inner, known in paths.reached(source, node, facts):
             match inner:
@@ -167,6 +176,15 @@ def _pieces(paths: Paths, source: PythonSource, piece: ast.AST) -> Iterator[ast.
                     waiting.append((inner, ()))
                 case _:
                     waiting.append((inner, known))
+
+
+def _whole(node: ast.AST) -> tuple[ast.AST, ...]:
+    """Return the nodes of an expression that is evaluated as a whole, or not at all; none if parts of it may be left out."""
+    found: tuple[ast.AST, ...] | None = node.__dict__.get("_whole")
+    if found is None:
+        parts = [_whole(child) for child in reversed(children(node))] if isinstance(node, _WHOLE) else [()]
+        found = node.__dict__["_whole"] = (node, *itertools.chain(*parts)) if all(parts) else ()
+    return found
 
 
 def _called_by_others(

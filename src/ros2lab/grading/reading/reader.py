@@ -116,3 +116,4 @@ def _say(name: str, value: Any) -> None:
 
 if __name__ == "__main__":
     main()
+    os._exit(0)  # all has been written, and to take apart what was read takes a twentieth of the time
