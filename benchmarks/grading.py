@@ -24,6 +24,7 @@ from ros2lab.classroom.judging import Judging
 from ros2lab.grading import rubric
 from ros2lab.grading.collect import collect
 from ros2lab.grading.evidence_json import evidence_json
+from ros2lab.grading.sandbox.compiled import compile_modules
 from ros2lab.grading.sandbox.worlds import World
 from ros2lab.grading.verdict import verdict
 
@@ -54,6 +55,7 @@ REGRADED = 1000
 def measure(advance: Callable[[float], None], *, is_quick: bool = False) -> list[Row]:
     """Grade the reference, as it is asked for and with all that the bonus is given for."""
     times = 1 if is_quick else 5
+    compile_modules()  # as `ros2lab grade` does
     with tempfile.TemporaryDirectory(prefix="ros2lab-figures-") as name:
         folder = Path(name)
         whole = course.copy_reference(folder / "whole")
