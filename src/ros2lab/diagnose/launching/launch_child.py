@@ -101,9 +101,13 @@ def _asks_the_machine(problem: BaseException) -> bool:
 
 
 def _lacking(problem: BaseException) -> str:
-    """Return the message about a package or module that is not on this machine; empty for other errors."""
+    """Return the message about a package or module that is not on this machine; empty for other errors.
+
+    A name that a module lacks, or a module that its package lacks, is misspelt or of another version.
+    """
     said, searched, _ = str(problem.args[0] if problem.args else "").partition(", searching")
-    return said if searched or isinstance(problem, ImportError) else ""
+    top = problem.name.partition(".")[0] if isinstance(problem, ModuleNotFoundError) and problem.name else ""
+    return said if searched or (top and top not in sys.modules) else ""
 
 
 def _parameters(frame: FrameType) -> dict[str, Any]:
@@ -115,12 +119,13 @@ def _parameters(frame: FrameType) -> dict[str, Any]:
 
 def _in_order(parameters: list[Any], context: Any, text: Callable[[Any], str | None]) -> Iterator[Any]:
     """Yield a node's parameters in order: the path of each file, and dicts of the others by name."""
+    from launch_ros.parameter_descriptions import ParameterFile
     from launch_ros.utilities import evaluate_parameters, normalize_parameters
 
-    for entry in parameters:
+    for entry in normalize_parameters(parameters):
         if isinstance(entry, dict):
-            yield from evaluate_parameters(context, normalize_parameters([entry]))
-        elif not isinstance(entry, tuple):
+            yield from evaluate_parameters(context, [entry])
+        elif isinstance(entry, ParameterFile):
             yield os.path.realpath(str(text(entry)))
 
 
@@ -136,10 +141,8 @@ def _text(context: Any, given: Any) -> str | None:
 
     if given is None:
         return None
-    given = getattr(given, "param_file", given)
-    given = given if isinstance(given, (list, tuple)) else [given]
-    plain = [str(piece) if isinstance(piece, os.PathLike) else piece for piece in given]
-    return str(perform_substitutions(context, normalize_to_list_of_substitutions(plain)))
+    given = normalize_to_list_of_substitutions(getattr(given, "param_file", given))
+    return str(perform_substitutions(context, given))
 
 
 class _Loading:
@@ -254,7 +257,7 @@ class _Loading:
             for _, made, _ in self.made
         ]
         self.choices.append(words)
-        switches = [name for name in self.arguments if given.get(name, "").lower() in ("true", "false")]
+        switches = [n for n in sorted(self.arguments) if given.get(n, "").lower() in ("true", "false")]
         for name, value in [("", ""), *itertools.product(switches, ("true", "false"))]:
             before, given[name] = given.get(name, ""), value
             starts = [self._is_started(node, context) for node, _, _ in self.made]
