@@ -351,6 +351,35 @@ def test_a_file_that_is_not_in_the_share_folder(
         assert (first.code, first.fix) == (code, fix)
 
 
+@pytest.mark.parametrize("is_installed", [True, False])
+@pytest.mark.parametrize(
+    "given",
+    ["'config/a.yaml'", "{'config/a.yaml'}", "('config/a.yaml',)", "['config/', 'a.yaml']", "ParameterFile('config/a.yaml')", "Path('config/a.yaml')"],
+)  # fmt: skip
+def test_a_parameter_file_that_is_looked_for_where_launch_is_typed(
+    tmp_path: Path, given: str, is_installed: bool
+) -> None:
+    files = Files.right(NAME).put("config/a.yaml", "/**:\n  ros__parameters:\n    period: 2.0\n")
+    if not is_installed:
+        (own,) = (
+            path.name for path in map(Path, files.texts) if path.suffix == ".yaml" and path.name != "a.yaml"
+        )
+        files.change("setup.py", "glob('config/*.yaml')", f"['config/{own}']")
+    lines = "from pathlib import Path\n\nfrom launch_ros.actions import Node\nfrom launch_ros.parameter_descriptions import ParameterFile\n"
+    node = f"Node(package='{NAME.package}', executable='{NAME.module}', parameters=[{given}])"
+    files.texts[f"{PACKAGE}/launch/more.launch.py"] = (
+        f"{lines}from launch import LaunchDescription\n\n\ndef generate_launch_description():\n    return LaunchDescription([{node}])\n"
+    )
+    found = of_workspace(files.write(tmp_path))
+    told = [one.fix for one in found if one.code == "parameter-file-missing"]
+    assert "passed-on" not in [one.code for one in found]
+    assert len(told) == ("config/a.yaml" in given)
+    assert all(("data_files" in fix) is not is_installed for fix in told)
+    lost = [one for one in found if one.code == "not-in-data-files" and "a.yaml" in one.about]
+    assert len(lost) == (not is_installed and not told)
+    assert not any("cannot be found" in one.cause for one in lost)
+
+
 def test_a_folder_that_is_not_in_the_share_folder(tmp_path: Path) -> None:
     root = Files.right(NAME).put("maps/a.csv", "1\n").put("maps/b.csv", "2\n").write(tmp_path)
     said = f"FileNotFoundError: [Errno 2] No such file or directory: '{SHARE}/maps'"

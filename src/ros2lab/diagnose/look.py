@@ -133,13 +133,17 @@ class Look:
         started = [*guarded(self._started_faults)]
         told = {(finding.code, finding.place) for finding in started}
         order = BuildOrder(self.packages)
+        # What looks for a file elsewhere than in its share folder tells itself that it is not there either.
+        of_launch = (fault for file in self.launch_files for fault in file.faults)
+        elsewhere = {("not-in-data-files", *f.about) for f in of_launch if f.code == "parameter-file-missing"}
         homes = homes_of(package for package in self.packages if package.name not in plain)
         for package in self.packages:
             is_plain = package.name in plain
             if not is_plain:
                 of_manifest = _each_once(guarded(manifest_faults, package, by_name, plain, homes))
                 yield from order.proposed(package, of_manifest)
-            yield from guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
+            of_package = guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
+            yield from (f for f in of_package if (f.code, package.name, *f.about) not in elsewhere)
             yield from source_faults(self.sources(package), package.mains)
             yield from guarded(named_alike, self.sources(package), self._alternatives)
             yield from guarded(bare_imports, package, self.sources(package))

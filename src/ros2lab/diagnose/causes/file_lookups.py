@@ -90,17 +90,17 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
     parts = ", ".join(repr(part) for part in Path(lies).parts)
     share = f"os.path.join(get_package_share_directory({package.name!r}), {parts})"
     cause = f"{path} is looked for in the terminal's current folder, not in the package {package.name}."
-    is_installed = package.setup and any(lies in files for _, files in package.setup.data_files)
-    more = "" if is_installed else f"; and add {package.row(lies)} to data_files in setup.py"
     text = spot_at(place, look).file.text
     needs = [line for line, known in _IMPORTS.items() if not re.search(known, text, re.MULTILINE)]
     with_them = f", with `{'; '.join(needs)}` at the top" if needs else ""
-    fix = f"write {share}{with_them}{more}"
+    fix = f"{package.to_install(lies)}write {share}{with_them}"
     return Finding(SAID, cause, place, fix)
 
 
 def _called(name: str, package: SourcePackage) -> Iterator[str]:
     """Yield the files and folders of a package that have this name."""
     return (
-        path.relative_to(package.folder).as_posix() for path in package.folder.rglob("*") if path.name == name
+        path.relative_to(package.folder).as_posix()
+        for path in sorted(package.folder.rglob("*"))
+        if path.name == name
     )

@@ -245,9 +245,7 @@ def _left_out(package: SourcePackage, setup: SetupScript, path: Path, folder: st
     relative = path.relative_to(package.folder).as_posix()
     patterns = re.findall(rf"['\"]({folder}/[^'\"]*\*[^'\"]*)['\"]", setup.source.text)
     only = f" (which matches {' and '.join(patterns)})" if patterns else ""
-    readers = [*(source.text for source in package.sources.values()), *map(read_text, package.launch_files)]
-    is_sought = folder == "launch" or any(path.name in text for text in readers)
-    lost = " and cannot be found" * is_sought
+    lost = " and cannot be found" * (folder == "launch")
     cause = f"{relative} is not in data_files in setup.py{only}, so it is not installed{lost}."
     lies_in = relative.rpartition("/")[0]
     target = (

@@ -280,6 +280,16 @@ class SourcePackage:
             )
         return f"({str(PurePosixPath('share', self.name, inner or lies).parent)!r}, [{lies!r}])"
 
+    def to_install(self, lies: str) -> str:
+        """Return the first step of a fix that looks for a file in the share folder; empty if setup.py installs it."""
+        is_known = self.setup is not None and self.setup.are_data_files_known
+        rows = self.setup.data_files if self.setup and is_known else [("", [lies])]
+        return (
+            ""
+            if any(lies in files for _, files in rows)
+            else f"add {self.row(lies)} to data_files in setup.py, and "
+        )
+
     def own_files(self) -> Iterator[Path]:
         """Yield its files, without tests, build folders, and other packages inside its folder."""
         for where, names, files in os.walk(self.folder):
@@ -288,11 +298,11 @@ class SourcePackage:
                 names.clear()
                 continue
             passed_over = {*_NOT_LOOKED_INTO, "test", "tests"}
-            names[:] = [name for name in names if name not in passed_over and not name.startswith(".")]
-            yield from (folder / name for name in files)
+            names[:] = sorted(n for n in names if n not in passed_over and not n.startswith("."))
+            yield from (folder / name for name in sorted(files))
 
     def _files(self, name: str) -> list[Path]:
-        return [path for path in (self.folder / name).rglob("*") if path.is_file()]
+        return sorted(path for path in (self.folder / name).rglob("*") if path.is_file())
 
     def has(self, name: str) -> bool:
         """Return whether its folder has a file at this path."""
