@@ -140,8 +140,93 @@ def test_an_executable_that_calls_the_file_of_another(tmp_path: Path) -> None:
     files = Files.right(NAME)
     files.texts[f"{INNER}/subscriber_member_function.py"] = files.texts.pop(files.path("listener"))
     files.change("setup.py", point, f"{NAME.listener} = {NAME.package}.{NAME.module}:main")
-    meant = f"write '{NAME.listener} = {NAME.package}.subscriber_member_function:main', and build again"
+    meant = f"if {NAME.listener} should run that file, write '{NAME.listener} = {NAME.package}.subscriber_member_function:main', and build again"
     assert codes(files, tmp_path)["entry-point-function"] == meant
+
+
+@pytest.mark.parametrize(
+    ("points", "unused", "fixes"),
+    [
+        (("Drive_Node = drive", "Drive_New = drive"), "drive_new", ["Drive_New = {}"]),
+        (("Drive_Node = drive", "New_Drive = drive"), "drive_new", ["New_Drive = {}"]),
+        (("New_Drive = drive", "Drive_Node = drive"), "drive_new", ["New_Drive = {}"]),
+        (("a = drive", "b = drive", "c = drive", "new_c = drive"), "new_driver_c", ["new_c = {}"]),
+        (("drive_a = drive", "drive_b = drive"), "drive_c", []),
+        (("gui_node = read", "read = read", "go = drive", "go_new = drive"), "go_new_way", ["go_new = {}"]),
+        (("gui_node = read", "read = read"), "drive", ["if gui_node should run that file, write 'gui_node = {}"]),
+        (("gui_node = read", "show_node = read"), "drive", []),
+        (("gui_node = read", "show_node = read"), "", []),
+    ],
+)  # fmt: skip
+def test_which_of_two_executables_should_run_the_file_that_none_runs(
+    tmp_path: Path, points: tuple[str, ...], unused: str, fixes: list[str]
+) -> None:
+    files = Files.right(NAME)
+    rows = ",\n            ".join(f"'{point.replace('= ', '= my_bot.')}:main'" for point in points)
+    files.change("setup.py", "'console_scripts': [\n", f"'console_scripts': [\n            {rows},\n")
+    for name in {*(point.split()[-1] for point in points), unused} - {""}:
+        files.put(f"{NAME.package}/{name}.py", "def main():\n    print(1)\n")
+    found = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "entry-point-function"]
+    assert len(found) == len(fixes)
+    assert all(fix.format(f"my_bot.{unused}:main") in told for fix, told in zip(fixes, found, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("executable", "fix"),
+    [
+        ("talker_node", "write talker instead"),
+        ("tlaker", "write talker instead"),
+        ("path_reader", "write the executable's name"),
+        ("left_wheels_talker_gui", "write the executable's name"),
+        ("arm_wheels", "write the executable's name"),
+    ],
+)
+def test_a_shared_word_makes_no_other_executable_the_meant_one(
+    tmp_path: Path, executable: str, fix: str
+) -> None:
+    files = Files.right(NAME)
+    rows = "'leg_wheels = my_bot.wheels:main', 'path_talker = my_bot.talker:main',"
+    files.change("setup.py", "'console_scripts': [\n", f"'console_scripts': [\n            {rows}\n")
+    files.change("launch/robot.launch.py", "executable='MODULE'", f"executable='{executable}'")
+    assert codes(files, tmp_path)["launch-executable"].startswith(fix)
+
+
+@pytest.mark.parametrize(
+    ("point", "code", "fix"),
+    [
+        ("my_bot.__init__:main", "", ""),
+        ("my_bot:main", "", ""),
+        ("my_bot.sub.__init__:main", "", ""),
+        ("my_bot.__main__:main", "", ""),
+        ("my_bot.__init__:mian", "entry-point-function", "has main"),
+        ("my_bot.nothere.__init__:main", "entry-point-module", "write 'wheels = my_bot.wheels:main'"),
+    ],
+)
+def test_a_package_and_its_init_are_one_module(tmp_path: Path, point: str, code: str, fix: str) -> None:
+    files = Files.right(NAME).change("setup.py", f"my_bot.{NAME.driver}:main", point)
+    for name in ("__init__", "sub/__init__", "__main__"):
+        files.put(f"my_bot/{name}.py", "def main():\n    print(1)\n")
+    found = {one.code: one.fix for one in of_workspace(files.write(tmp_path)) if NAME.driver in one.about}
+    assert [*found] == [code] * bool(code)
+    assert fix in found.get(code, "")
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("from launch import SomeActionsType", ["import-wrong"]),
+        ("from launch.conditions import LaunchConfigurationNotEqual", ["import-wrong"]),
+        ("from launch_ros.actions import Nod", ["import-wrong"]),
+        ("import launch.nothing", []),
+        ("import my_helpers", ["launch-package"]),
+        ("from nav2_common.launch import RewrittenYaml", ["launch-package"]),
+    ],
+)
+def test_a_name_that_a_module_lacks_is_no_package(tmp_path: Path, line: str, expected: list[str]) -> None:
+    files = Files.right(NAME)
+    path = f"{PACKAGE}/launch/robot.launch.py"
+    files.texts[path] = f"{line}\n{files.texts[path]}"
+    assert [code for code in codes(files, tmp_path) if code in ("import-wrong", "launch-package")] == expected
 
 
 @pytest.mark.parametrize(

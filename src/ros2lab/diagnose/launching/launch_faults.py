@@ -15,7 +15,13 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.other_names import by_another_name, meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.spelling import did_you_mean, is_near_miss, nearest
+from ros2lab.diagnose.sources.spelling import (
+    has_other_words,
+    is_near_miss,
+    nearest,
+    program_words,
+    same_letters,
+)
 
 
 def launch_faults(
@@ -81,8 +87,13 @@ def _executable_fault(
         yield _no_entry_point(package, node, executable, module)
     else:
         meant = by_another_name(package, executable)
-        near = meant[0].name if meant else nearest(executable, there, 0.6)
-        said = "" if meant or others else did_you_mean(executable, there)
+        wanted = program_words(executable)
+        same = (name for name in sorted(there) if program_words(name) == wanted)
+        alike = next(same, "") or nearest(executable, there) or ""
+        if has_other_words(wanted, program_words(alike)) and not same_letters(executable, alike):
+            alike = ""
+        near = meant[0].name if meant else alike
+        said = f" Did you mean {alike}?" if alike and not (meant or others) else ""
         said = f" {' and '.join(others)} {'has' if len(others) == 1 else 'have'} it." if others else said
         cause = f"The launch file starts {executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{said}"
         fix = "write the executable's name as it is in entry_points in setup.py"

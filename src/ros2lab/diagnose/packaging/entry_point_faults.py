@@ -38,6 +38,7 @@ from ros2lab.diagnose.sources.spelling import (
     differs,
     is_near_miss,
     nearest,
+    program_words,
     same_letters,
 )
 from ros2lab.diagnose.sources.syntax_parts import needed_by
@@ -106,18 +107,6 @@ def _named_twice(setup: SetupScript, point: EntryPoint, first: EntryPoint) -> Fi
     if is_same:
         fix = f"remove this line: line {first.line} says the same"
     return Finding("entry-point-twice", cause, at(setup.source.shown, point.line), fix)
-
-
-def _unnamed(package: SourcePackage, wanted: Path) -> str | None:
-    """Return the only file that no entry point names, if it shares a word with the wanted one."""
-    setup = package.setup
-    named = {point.module.rpartition(".")[2] for point in (setup.entry_points if setup else None) or ()}
-    text = setup.source.text if setup else ""
-    files = [path for path in wanted.parent.glob("*.py") if path.stem not in {*named, "__init__"}]
-    alone = [path.name for path in files if path.stem not in text and "def main" in read_text(path)]
-    return (
-        alone[0] if len(alone) == 1 and set(alone[0][:-3].split("_")) & set(wanted.stem.split("_")) else None
-    )
 
 
 def _is_anothers(package: SourcePackage, point: EntryPoint) -> bool:
@@ -235,13 +224,15 @@ def _below_guard(source: PythonSource) -> ast.If | None:
 def _of_another(setup: SetupScript, sources: Mapping[str, PythonSource]) -> Iterator[Finding]:
     """Yield an executable that calls the module of another one although a suitable file is called by none."""
     points = setup.entry_points or []
-    uncalled = {name for name in sources if can_be_named(name)} - {point.module for point in points}
+    called = {point.module for point in points}
+    uncalled = [name for name in sources if can_be_named(name) and name not in called]
     for number, point in enumerate(points):
         twin = next((other for other in points if other is not point and other.module == point.module), None)
-        if twin is None or not (meant := _meant_module(points, number, [*uncalled], sources)):
+        if twin is None or not (meant := _meant_module(points, number, uncalled, sources)):
             continue
         cause = f"The executable {point.name} calls {point.module}, as {twin.name} does, so nothing runs {sources[meant].shown}."
-        fix = f"write '{point.name} = {meant}:{point.function}', and build again"
+        where = "" if _are_alike(point.name, meant) else f"if {point.name} should run that file, "
+        fix = f"{where}write '{point.name} = {meant}:{point.function}', and build again"
         place = at(setup.source.shown, point.line)
         yield Finding("entry-point-function", cause, place, fix, (point.name,))
 
@@ -263,22 +254,25 @@ def _meant_module(
     if len(alike) < 2 or len(able) != 1:
         return ""
 
-    def fit(candidate: EntryPoint) -> tuple[float, int]:
-        return _likeness(candidate.name, able[0]) - _likeness(candidate.name, point.module), points.index(
-            candidate
-        )
+    def fit(candidate: EntryPoint) -> float:
+        return _likeness(candidate.name, able[0]) - _likeness(candidate.name, point.module)
 
-    meant = max(alike, key=fit)
-    words = [set(name.split("_")) for name in (meant.name, able[0].rpartition(".")[2])]
-    is_alike = bool(words[0] & words[1]) or _likeness(meant.name, able[0]) >= _ALIKE
+    own_fit, others = fit(point), [other for other in alike if other is not point]
     # The module may be named after another executable, which leaves none for this one.
-    is_left = any(other.name == other.module.rpartition(".")[2] for other in alike if other is not meant)
-    return able[0] if point is meant and (is_left or (is_alike and fit(meant)[0] > 0)) else ""
+    is_left = any(other.name == other.module.rpartition(".")[2] for other in others)
+    named = [candidate for candidate in points if _are_alike(candidate.name, able[0])]
+    is_meant = (own_fit > 0 or is_left) if point in named else is_left and not named
+    return able[0] if is_meant and own_fit > max(map(fit, others)) else ""
+
+
+def _are_alike(executable: str, module: str) -> bool:
+    words = (program_words(name).split() for name in (executable, module))
+    return bool(set.intersection(*map(set, words))) or _likeness(executable, module) >= _ALIKE
 
 
 def _likeness(executable: str, module: str) -> float:
     """Return how similar the names of an executable and a module are, from 0 to 1."""
-    return difflib.SequenceMatcher(None, executable, module.rpartition(".")[2]).ratio()
+    return difflib.SequenceMatcher(None, program_words(executable), program_words(module)).ratio()
 
 
 def _missing_function(package: SourcePackage, source: PythonSource, point: EntryPoint, place: str) -> Finding:
@@ -353,7 +347,7 @@ def _renamed(package: SourcePackage, point: EntryPoint, lies: Path, wanted: Path
 def _lies(package: SourcePackage, wanted: Path) -> Path | None:
     """Return the file that has a module's name, or nearly so, in a folder that is not installed; None if none has."""
     same = [source.path for name, source in package.sources.items() if name.rpartition(".")[2] == wanted.stem]
-    near = like(wanted) or _unnamed(package, wanted)
+    near = like(wanted)
     away = [package.folder / place for place in package.places_of(wanted.name)]
     paths = [*same, *([wanted.parent / near] if near else []), *away]
     return next((path for path in paths if path and path.exists()), None)

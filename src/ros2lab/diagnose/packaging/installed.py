@@ -95,7 +95,7 @@ def _metadata(prefix: Path, name: str) -> list[Path]:
         path
         for folder in site_packages(prefix)
         for version in ("-*", "")  # not those of another package with the same prefix
-        for path in folder.glob(f"{name}{version}.*-info")
+        for path in sorted(folder.glob(f"{name}{version}.*-info"))
     ]
 
 
@@ -104,14 +104,15 @@ def _linked_metadata(prefix: Path, name: str) -> list[Path]:
     return [
         Path(read_text(link).partition("\n")[0]) / f"{name}.egg-info"
         for folder in site_packages(prefix)
-        for link in folder.glob("*.egg-link")
+        for link in sorted(folder.glob("*.egg-link"))
         if link.stem.replace("-", "_") == name
     ]
 
 
 def site_packages(prefix: Path) -> list[Path]:
     """Return the folders of a prefix in which Python looks for modules."""
-    return [*prefix.glob("lib/python3*/site-packages"), *prefix.glob("local/lib/python3*/dist-packages")]
+    homes = ("lib/python3*/site-packages", "local/lib/python3*/dist-packages")
+    return [folder for home in homes for folder in sorted(prefix.glob(home))]
 
 
 def changed_sources(prefix: Path, package: SourcePackage) -> Iterator[tuple[PythonSource, Path]]:
@@ -177,8 +178,8 @@ def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
 
 def _links_in(package: SourcePackage, build: Path, prefix: Path) -> Iterator[tuple[Path, Path]]:
     """Yield the links that a build has made, each with its target, but those to a file that setup.py asks for and that is missing."""
-    walked = (entry for base in (prefix, build) for entry in os.walk(base))
-    paths = (Path(folder, name) for folder, names, files in walked for name in (*names, *files))
+    walked = (entry for base in (prefix, build) for entry in sorted(os.walk(base)))
+    paths = (Path(folder, name) for folder, names, files in walked for name in sorted([*names, *files]))
     links = {path: path.readlink() for path in paths if path.is_symlink()}
     for folder in site_packages(prefix):
         links |= {path: Path(read_text(path).partition("\n")[0]) for path in folder.glob("*.egg-link")}
@@ -245,7 +246,7 @@ def _old_programs(package: SourcePackage, prefix: Path, names: Collection[str]) 
     """Return the start scripts of no entry point; what setuptools makes of one of another form depends on its version."""
     if not all(point.module for point in package.points):
         return []
-    installed = (prefix / "lib" / package.name).glob("*")
+    installed = sorted((prefix / "lib" / package.name).glob("*"))
     return [path for path in installed if path.name not in names and "console_scripts" in read_text(path)]
 
 
@@ -302,7 +303,7 @@ def installed_entry_points(prefix: Path, package: SourcePackage) -> dict[str, st
     except (configparser.Error, OSError, UnicodeDecodeError):
         return None
     points = parser["console_scripts"] if parser.has_section("console_scripts") else {}
-    return {name: point.replace(" ", "") for name, point in points.items()}
+    return {name: re.sub(r"\s|\.__init__(?=\s*:)", "", point) for name, point in points.items()}
 
 
 def _new_executables(prefix: Path, package: SourcePackage) -> list[str]:

@@ -25,7 +25,7 @@ _KEYWORDS = ("name", "packages", "entry_points", "data_files")  # that another f
 
 @dataclass(frozen=True)
 class EntryPoint:
-    """A console script, `name = module:function`; `module` is empty if its text has another form."""
+    """A console script, `name = module:function`; `module` is empty if its text has another form, and `pk` for `pk.__init__`."""
 
     text: str
     line: int | None
@@ -168,7 +168,7 @@ def _is_pair(value: Any) -> bool:
 
 
 _ENTRY_POINT = re.compile(
-    r"([\w.-]+)\s*=\s*([A-Za-z_][\w.]*)\s*(?::\s*([A-Za-z_][\w.]*))?\s*(?:\[[\w, ]*\])?"
+    r"([\w.-]+)\s*=\s*([A-Za-z_][\w.]*?)(?:\.__init__)?\s*(?::\s*([A-Za-z_][\w.]*))?\s*(?:\[[\w, ]*\])?"
 )
 
 
@@ -353,7 +353,7 @@ def _calls(folder: Path) -> dict[str, Any]:
             fixed = pattern.partition("*")[0].rpartition("/")[0]
             return UNKNOWN if (folder / fixed).exists() else []
         pattern = os.path.join(folder, pattern)  # noqa: PTH118 -- the pattern may be absolute
-        return [os.path.relpath(path, folder) for path in glob.glob(pattern, recursive=True)]  # noqa: PTH207
+        return [os.path.relpath(path, folder) for path in sorted(glob.glob(pattern, recursive=True))]  # noqa: PTH207
 
     return {
         "os.path.join": os.path.join,

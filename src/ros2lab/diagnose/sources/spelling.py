@@ -126,6 +126,11 @@ def words_of(name: str) -> list[str]:
     return re.findall(r"[a-z]+|\d+", snake_case(name))
 
 
+def program_words(name: str) -> str:
+    """Return what tells a program from others: the words of its name, in any order, without that it is a node."""
+    return " ".join(sorted(word for word in words_of(name.rpartition(".")[2]) if word != "node"))
+
+
 def _is_same_word(word: str, other: str) -> bool:
     """Return whether a word is another one, misspelt or shortened."""
     shorter, longer = sorted((word, other), key=len)
