@@ -578,6 +578,30 @@ def test_an_executable_of_another_package_is_started_from_there(tmp_path: Path) 
     assert fix == "write robot_controller instead of my_bot as its package"
 
 
+@pytest.mark.parametrize(
+    ("copies", "hidden"),
+    [
+        (["my_bot", "my_bot_2"], ["my_bot_2"]),
+        (["my_bot_2", "my_bot", "my_bot_3"], ["my_bot_2", "my_bot_3"]),
+        (["backup/my_bot", "my_bot"], ["backup/my_bot"]),
+        (["stage_1", "stage_2", "stage_3"], ["stage_1", "stage_2"]),
+    ],
+)
+def test_of_several_packages_of_one_name_one_is_kept(
+    tmp_path: Path, copies: list[str], hidden: list[str]
+) -> None:
+    files = right()
+    own = {path: text for path, text in files.texts.items() if path.startswith("src/my_bot/")}
+    files.texts = {
+        path.replace("src/my_bot/", f"src/{copy}/", 1): own[path] for copy in copies for path in own
+    }
+    (fix,) = found(files, tmp_path, "package-duplicate")
+    assert fix.endswith(f"touch {' '.join(f'src/{place}/COLCON_IGNORE' for place in hidden)}")
+    for place in hidden:
+        (tmp_path / f"src/{place}/COLCON_IGNORE").touch()
+    assert "package-duplicate" not in [one.code for one in of_workspace(tmp_path)]
+
+
 def test_dashes_are_told_once_and_as_setuptools_takes_them(tmp_path: Path) -> None:
     files = right()
     for name in ("script_dir", "install_scripts"):

@@ -184,9 +184,12 @@ def duplicate_faults(packages: list[SourcePackage]) -> Iterator[Finding]:
     for name, count in counts.items():
         if count > 1:
             folders = [package.shown("") for package in seen if package.name == name]
+            # A package usually lies in a folder of its name, and a copy of it beside that or deeper.
+            kept = min(folders[::-1], key=lambda place: (Path(place).name != name, place.count("/")))
+            others = [place for place in folders if place != kept]
             yield Finding(
                 "package-duplicate",
                 f"{count} packages are called {name}, so colcon builds nothing: {' and '.join(folders)}.",
-                folders[-1],
-                f"remove one of them, or hide it: touch {quote(folders[-1] + '/COLCON_IGNORE')}",
+                others[-1],
+                f"keep one of them, such as {kept}, and hide the rest: touch {' '.join(quote(f'{place}/COLCON_IGNORE') for place in others)}",
             )
