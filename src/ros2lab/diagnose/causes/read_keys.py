@@ -125,7 +125,7 @@ def _deeper(key: str, asked: ast.Subscript, spot: Spot, read: _Read) -> Finding 
 def _stale(read: _Read, key: str, look: Look) -> Finding | None:
     """Return a finding about an installed copy of a file that lacks a key; None if there is none."""
     install = look.root / "install" / read.package.name
-    for path in install.rglob(read.path.name) if install.is_dir() else ():
+    for path in sorted(install.rglob(read.path.name)):
         if path.is_symlink() or key in {row[-1] for row in _keys(path, read.call)}:
             continue
         cause = f"{read.shown} has the key {key!r}, but the installed copy that the program reads does not."

@@ -122,7 +122,7 @@ def _asked(name: str, last: str, node: str, call: ast.Call) -> str:
     rest = ast.unparse(call).removeprefix(ast.unparse(call.func))
     for getter, home in _GIVEN.items():
         what = getter.removeprefix("get_").removesuffix("()")
-        for member in interfaces.members_of(*home):
+        for member in sorted(interfaces.members_of(*home)):
             is_of_class = last != name and member == last  # Time.now of a clock
             is_of_class |= name == last == member  # rclpy.info()
             is_of_prefix = last == name and len(member) > 3 and name.endswith(member)

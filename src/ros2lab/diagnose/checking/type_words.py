@@ -62,7 +62,7 @@ def _kept_class(name: str, spot: Spot) -> str:
 def made_of(name: str, spot: Spot) -> str:
     """Return what holds an instance of a class, a variable or an attribute of self, or has its name in small letters."""
     source, scope = spot.file, spot.function or spot.file.tree
-    alike = [known for known in bound_in(scope) if known != name and same_letters(known, name)]
+    alike = [known for known in sorted(bound_in(scope)) if known != name and same_letters(known, name)]
     nodes = {
         name for name, n in source.classes.items() if any(source.resolve(base) == _NODE for base in n.bases)
     }

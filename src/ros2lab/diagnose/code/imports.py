@@ -164,7 +164,7 @@ def _own_module(
     holding = [home for home, file in own_modules.items() if _holds(file, name, own_modules)]
     holding = [home for home in holding if home not in passing]  # they import it from there, too
     # Where it is not known what a file has, only its own name tells.
-    alike = {home.rpartition(".")[2]: home for home in {*made, *own_modules}}
+    alike = {home.rpartition(".")[2]: home for home in sorted({*made, *own_modules})}
     unread = {*made, *(home for home, file in own_modules.items() if name == "*" or not bound_names(file))}
     near = alike.get(nearest(module.rpartition(".")[2], alike) or "")
     close = (

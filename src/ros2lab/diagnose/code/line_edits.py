@@ -246,7 +246,8 @@ def _other_words(line: _Line) -> Iterator[Repair]:
         if token.lastgroup != "word":
             continue
         close = difflib.get_close_matches(token[0], _WORDS, n=2, cutoff=_SIMILAR)
-        for word in {*close, *(word for word in _WORDS if sorted(word) == sorted(token[0].lower()))}:
+        turned = (word for word in sorted(_WORDS) if sorted(word) == sorted(token[0].lower()))
+        for word in dict.fromkeys([*close, *turned]):
             if word != token[0]:
                 why = f"`{token[0]}` should be `{word}`"
                 yield line.spliced(*token.span(), word, why, USUAL - 0.1)

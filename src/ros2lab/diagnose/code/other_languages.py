@@ -102,7 +102,7 @@ def in_pythons_words(number: int, line: str) -> Iterator[Repair]:
 
 def _names(number: int, line: str) -> Iterator[Repair]:
     """Yield a line with an invalid name replaced by a valid one."""
-    for word in {*re.findall(r"(?<=\.)[a-z]+\b|\b[a-z]+(?=\s*=[^=])|(?<=def )[a-z]+\b", line)}:
+    for word in dict.fromkeys(re.findall(r"(?<=\.)[a-z]+\b|\b[a-z]+(?=\s*=[^=])|(?<=def )[a-z]+\b", line)):
         if keyword.iskeyword(word):
             new = re.sub(rf"(?<![\w]){word}(?!\w)(?=\s*[=.(\[,)]|\s*$)", f"{word}_", line)
             yield Repair(number, new, f"{word} is a Python keyword and cannot be used as a name")

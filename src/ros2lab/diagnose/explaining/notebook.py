@@ -83,7 +83,7 @@ def _cells(error: BaseException) -> dict[str, str]:
     names = {frame.filename for frame in traceback.extract_tb(error.__traceback__)}
     if isinstance(error, SyntaxError) and error.filename:
         names.add(error.filename)
-    texts = {name: "".join(linecache.getlines(name)) for name in names if not Path(name).is_file()}
+    texts = {name: "".join(linecache.getlines(name)) for name in sorted(names) if not Path(name).is_file()}
     return {name: text for name, text in texts.items() if text}
 
 

@@ -48,7 +48,7 @@ def _run_by(line: str, look: Look) -> Iterator[tuple[SourcePackage, PythonSource
 
 def _files(package: SourcePackage) -> Iterator[PythonSource]:
     yield from package.sources.values()
-    others = [*package.launch_files, *package.folder.glob("test*/*.py")]
+    others = [*package.launch_files, *sorted(package.folder.glob("test*/*.py"))]
     for path in others:
         if path.suffix == ".py":
             yield read_source(path, path.stem, package.shown(path.relative_to(package.folder).as_posix()))

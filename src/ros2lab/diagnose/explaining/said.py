@@ -293,7 +293,7 @@ def _alike(path: str, look: Look) -> Iterator[str]:
         yield str(meant.relative_to(look.root))
         return
     for folder, names, files in os.walk(look.root):
-        names[:] = [name for name in names if not name.startswith(".") and name not in _NOT_LOOKED_INTO]
+        names[:] = sorted(n for n in names if not n.startswith(".") and n not in _NOT_LOOKED_INTO)
         close = nearest(wanted, [*names, *files], 0.8)
         found = wanted if wanted in (*names, *files) else close
         if found:

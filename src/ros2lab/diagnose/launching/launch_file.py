@@ -200,13 +200,14 @@ def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Findin
         return
     declared = dict(arguments_named(source, "DeclareLaunchArgument"))
     used = dict(arguments_named(source, "LaunchConfiguration"))
-    for name in used.keys() - declared.keys():
+    strange, idle = [n for n in used if n not in declared], [n for n in declared if n not in used]
+    for name in strange:
         # An argument that is not declared here may come from a launch file that includes this one.
-        if near := nearest(name, declared.keys() - used.keys(), 0.6):
+        if near := nearest(name, idle, 0.6):
             cause = f"LaunchConfiguration({name!r}) is used, but the declared argument is called {near}."
             yield Finding("launch-argument", cause, source.at(used[name]), f"write {near!r} here")
-    if not used.keys() - declared.keys():
-        for name in declared.keys() - used.keys() - {*worded}:
+    if not strange:
+        for name in (name for name in idle if name not in worded):
             cause = f"The launch argument {name} is declared but never used, so it changes nothing."
             value = f"LaunchConfiguration('{name}')"
             fix = f"remove it, or write {value} where its value is needed"

@@ -366,7 +366,7 @@ _MADE_OF: Mapping[str, Sequence[str]] = {
 
 def origins_of(expressions: Iterable[ast.expr], trial: Trial) -> dict[str, ast.expr]:
     """Return the value of each name of a line that is assigned only once, and on another line."""
-    texts = {ast.unparse(n) for n in expressions if isinstance(n, (ast.Name, ast.Attribute))}
+    texts = dict.fromkeys(ast.unparse(n) for n in expressions if isinstance(n, (ast.Name, ast.Attribute)))
     values: dict[str, list[ast.expr]] = {}
     scope: Function | ast.ClassDef | ast.Module
     for text in texts:

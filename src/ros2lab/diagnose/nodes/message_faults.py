@@ -210,7 +210,7 @@ def _published(scope: Scope, node: ast.AST) -> tuple[End, str] | None:
     if not isinstance(node, ast.Attribute) or ast.unparse(node.value) not in names[:1]:
         return None
     ends, asked = ends_of(sources), [id(made) for made, called in sources.callbacks() if called is function]
-    kinds = {(end.topic, str(end.type)) for end in ends if end.is_publisher}
+    kinds = [(end.topic, str(end.type)) for end in ends if end.is_publisher]
     having = {topic: kind for topic, kind in kinds if node.attr in (interfaces.fields_of(kind) or ())}
     found = (end for end in ends if id(end.creation) in asked and end.topic in having)
     return next(((end, having[end.topic]) for end in found), None)

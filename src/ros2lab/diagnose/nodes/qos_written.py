@@ -59,7 +59,7 @@ def _misplaced_in(source: PythonSource, profile: ast.Call) -> Iterator[Finding]:
     """Yield the parameters of a profile that are given a policy of another kind."""
     given = {keyword.arg or "": keyword.value for keyword in profile.keywords}
     homes = {parameter: home for home, parameter in PARAMETERS.items()}
-    for name in {"depth", *homes} & given.keys():
+    for name in (name for name in given if name in {"depth", *homes}):
         policy, text = policy_of(source, source.written(given[name])), ast.unparse(given[name])
         if policy in ("", name):
             continue

@@ -70,7 +70,7 @@ def unreached_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield what would register callbacks, in methods that are called by nothing or by these callbacks alone."""
     alone = unreached(sources)
     for owner in sources.nodes if alone else ():
-        own = {key for key, (home, _) in alone.items() if home is owner}
+        own = [key for key, (home, _) in alone.items() if home is owner]
         registered = [
             (creation, alone[key][1])
             for creation in sources.creations
@@ -79,7 +79,7 @@ def unreached_faults(sources: NodeSources) -> Iterator[Finding]:
             if alone[key][1].name in {name for node in walk(given) for name in named(node)}
         ]
         if registered and "__init__" in owner.methods:
-            yield _never_begun(owner, registered, [alone[key][1] for key in sorted(own)])
+            yield _never_begun(owner, registered, [alone[key][1] for key in own])
 
 
 def _never_begun(

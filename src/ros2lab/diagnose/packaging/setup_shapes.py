@@ -269,7 +269,7 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
 
 def like(path: Any) -> str:
     """Return the name of a file in the same folder with a similar name; empty if there is none."""
-    there = [file.name for file in path.parent.iterdir() if file.is_file()] if path.parent.is_dir() else []
+    there = sorted(file.name for file in path.parent.glob("*") if file.is_file())
 
     def plain(name: str) -> str:
         return re.sub(r"[ _-]", "", name.partition(".")[0].lower())

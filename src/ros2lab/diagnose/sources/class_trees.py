@@ -15,7 +15,7 @@ from ros2lab.diagnose.sources.python_source import read_text
 def _bases_in(*packages: str) -> Mapping[str, frozenset[str]]:
     """Return the names of the base classes of each class of some packages."""
     folders = [folder for folder in map(folder_of, packages) if folder]
-    texts = (read_text(path) for folder in folders for path in folder.rglob("*.py"))
+    texts = (read_text(path) for folder in folders for path in sorted(folder.rglob("*.py")))
     found = (re.findall(r"^class (\w+)\(([\w., ]+)", text, re.MULTILINE) for text in texts)
     return {name: frozenset(re.findall(r"\w+(?=,|$)", above)) for rows in found for name, above in rows}
 

@@ -73,7 +73,7 @@ def install_of(package: str) -> str:
 @lru_cache(maxsize=1)
 def _brought(path: Sequence[str]) -> Mapping[str, str]:
     """Return the installed packages of ROS by the modules that they bring."""
-    lists = [file for folder in path for file in Path(folder).glob("*.egg-info/top_level.txt")]
+    lists = [file for folder in path for file in sorted(Path(folder).glob("*.egg-info/top_level.txt"))]
     names = {file: file.parent.name.removesuffix(".egg-info").partition("-")[0] for file in lists}
     own = [file for file in lists if any((up / INDEX / names[file]).is_file() for up in file.parents[4:6])]
     return {module: names[file] for file in own for module in read_text(file).split()}
