@@ -374,7 +374,7 @@ def test_a_parameter_file_that_is_looked_for_where_launch_is_typed(
     told = [one.fix for one in found if one.code == "parameter-file-missing"]
     assert "passed-on" not in [one.code for one in found]
     assert len(told) == ("config/a.yaml" in given)
-    assert all(("data_files" in fix) is not is_installed for fix in told)
+    assert all(("data_files" in fix) is not is_installed and "at the top" in fix for fix in told)
     lost = [one for one in found if one.code == "not-in-data-files" and "a.yaml" in one.about]
     assert len(lost) == (not is_installed and not told)
     assert not any("cannot be found" in one.cause for one in lost)

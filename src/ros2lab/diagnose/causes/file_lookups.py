@@ -93,7 +93,7 @@ def _of_relative_file(path: str, place: str, look: Look) -> Finding | None:
     text = spot_at(place, look).file.text
     needs = [line for line, known in _IMPORTS.items() if not re.search(known, text, re.MULTILINE)]
     with_them = f", with `{'; '.join(needs)}` at the top" if needs else ""
-    fix = f"{package.to_install(lies)}write {share}{with_them}"
+    fix = f"write {share}{with_them}{package.to_install(lies)}"
     return Finding(SAID, cause, place, fix)
 
 

@@ -231,7 +231,7 @@ def _from_here(
         if home:
             cause = f"The parameter file {text} is looked for in the folder where `ros2 launch` is typed, but it is in the package {home.name}, so the nodes keep their defaults."
             parts = "".join(f", {part!r}" for part in text.split("/"))
-            fix = f"{home.to_install(text)}write PathJoinSubstitution([FindPackageShare({home.name!r}){parts}]) instead of {text!r}"
+            fix = f"write PathJoinSubstitution([FindPackageShare({home.name!r}){parts}]) instead of {text!r}{home.to_install(text)}"
             yield Finding("parameter-file-missing", cause, source.at(node), fix, (home.name, Path(text).name))
 
 

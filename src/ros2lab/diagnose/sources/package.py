@@ -281,13 +281,13 @@ class SourcePackage:
         return f"({str(PurePosixPath('share', self.name, inner or lies).parent)!r}, [{lies!r}])"
 
     def to_install(self, lies: str) -> str:
-        """Return the first step of a fix that looks for a file in the share folder; empty if setup.py installs it."""
+        """Return the further step of a fix that looks for a file in the share folder; empty if setup.py installs it."""
         is_known = self.setup is not None and self.setup.are_data_files_known
         rows = self.setup.data_files if self.setup and is_known else [("", [lies])]
         return (
             ""
             if any(lies in files for _, files in rows)
-            else f"add {self.row(lies)} to data_files in setup.py, and "
+            else f" (and add {self.row(lies)} to data_files in setup.py)"
         )
 
     def own_files(self) -> Iterator[Path]:
