@@ -98,9 +98,10 @@ def first_that_stands(
     last = call.end_lineno or call.lineno
     texts = [Edit(call, written).with_imports(source, source.lines) for written in ways]
     now, *rows_of = checked(source, [source.text.encode(), *texts]) if texts else [[]]
-    left = {row.said for row in now if settled and call.lineno <= row.line <= last} - {settled}
+    of_call = [row for row in now if call.lineno <= row.line <= last]
+    left = {row.said for row in of_call if settled or row.rule not in RULES} - {settled}
     for written, rows in zip(ways, rows_of, strict=True):
-        objections = [r for r in rows if r.rule in RULES and r.line == call.lineno and r.said not in left]
+        objections = [row for row in rows if row.line == call.lineno and row.said not in left]
         if are_items_open:
             objections = [row for row in objections if not _OF_ITEMS.search(row.said)]
         if not objections:

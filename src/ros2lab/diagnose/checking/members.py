@@ -22,7 +22,7 @@ def members(owner: str, look: Look | None) -> set[str]:
     """Return the public members of a module or a class, including the workspace's own classes."""
     if owner in sys.stdlib_module_names:
         return {name for name in interfaces.importable_names(owner) or () if not name.startswith("_")}
-    found = set(interfaces.names_in(owner) or ()) | set(dir(getattr(builtins, owner, object)))
+    found = set(interfaces.names_in(owner, is_own=True) or ()) | set(dir(getattr(builtins, owner, object)))
     for home in _homes(owner):
         found |= interfaces.members_of(home, owner) or set(interfaces.fields_of(f"{home}.{owner}") or ())
     for sources in map(look.sources, look.packages) if look else ():

@@ -145,14 +145,21 @@ def _defining(name: str, files: Iterable[Path], what: str = "class|def") -> list
 
 
 @lru_cache(maxsize=256)
-def names_in(module: str) -> frozenset[str] | None:
-    """Return the names that can be imported from a module such as `std_msgs.msg`; None if not known."""
+def names_in(module: str, *, is_own: bool = False) -> frozenset[str] | None:
+    """Return the names that can be imported from a module such as `std_msgs.msg`, perhaps only its package's own; None if not known."""
     path = _place_of(module) or Path("-")
     file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     if not file.is_file():
         return None
-    names = frozenset(name for node in _run_on_import(ast.parse(read_text(file))) for name in bound_by(node))
+    run = (n for n in _run_on_import(ast.parse(read_text(file))) if not (is_own and _is_of_others(n, module)))
+    names = frozenset(name for node in run for name in bound_by(node))
     return None if "__getattr__" in names or "*" in names else names | _inner_modules(path)
+
+
+def _is_of_others(node: ast.AST, module: str) -> bool:
+    """Return whether a module imports something from another package, such as `List` from typing."""
+    of = node.module if isinstance(node, ast.ImportFrom) and not node.level else None
+    return isinstance(node, ast.Import) or (of or module).partition(".")[0] != module.partition(".")[0]
 
 
 def _inner_modules(path: Path) -> frozenset[str]:
