@@ -150,6 +150,7 @@ def _homes(
     taken = {
         name for name in known if interfaces.is_module(whole := f"{meant}.{name}") or whole in sys.modules
     } | sys.stdlib_module_names
+    there = [imported.target for imported in source.imports]
     found: dict[str, _Home] = {}
     for name in wrong:
         if names is None and name in known:
@@ -162,7 +163,7 @@ def _homes(
             found[name] = "", name
         elif homes := _homes_of(name, module, source):
             found[name] = homes[0], name
-        elif near:
+        elif near and (f"{meant}.{near}" not in there or is_near_miss(name, near)):
             found[name] = meant, near
     return found
 
@@ -199,7 +200,7 @@ def _fix(
     source: PythonSource, node: ast.ImportFrom, homes: Mapping[str, _Home], names: Collection[str] | None
 ) -> str:
     """Return the statements that import the same names from where they are, and what else must be renamed."""
-    by_home: dict[str, list[str]] = {}
+    by_home: dict[str, dict[str, None]] = {}  # each name once, in order
     renamed: dict[str, str] = {}
     lost: list[str] = []
     module = f"{'.' * node.level}{node.module or ''}"
@@ -214,14 +215,14 @@ def _fix(
         else:
             lost.append(alias.name)
             continue
-        by_home.setdefault(home, []).append(f"{name} as {alias.asname}" if alias.asname else name)
+        by_home.setdefault(home, {})[f"{name} as {alias.asname}" if alias.asname else name] = None
     # A module that is in no other is imported by itself.
     written = [
         f"`from {home} import {', '.join(names)}`" if home else f"`import {', '.join(names)}`"
         for home, names in by_home.items()
     ]
     if not homes:
-        return _without(source, lost, written, names)
+        return _without(source, source.absolute(node), lost, written, names)
     used = [
         f"{new} instead of {old} on line {' and '.join(map(str, lines))}"
         for old, new in renamed.items()
@@ -232,9 +233,9 @@ def _fix(
 
 
 def _without(
-    source: PythonSource, lost: Sequence[str], written: Sequence[str], names: Collection[str] | None
+    source: PythonSource, module: str, lost: list[str], written: list[str], names: Collection[str] | None
 ) -> str:
-    """Say what to do with names of which nothing is known."""
+    """Say what to do with names of a module of which nothing is known; only the workspace's own can be defined."""
     if not any(used_on(source, name) for name in lost):
         return (
             f"write {written[0]}: nothing here uses {' or '.join(lost)}"
@@ -244,7 +245,8 @@ def _without(
     offered = sorted(name for name in names or () if not name.startswith("_"))
     if 0 < len(offered) <= _MOST_OFFERED:
         return f"import one of the names that it has: {', '.join(offered)}"
-    return f"define {' and '.join(lost)} there, or write the name of what was meant"
+    own = "" if module.partition(".")[0] in _KNOWN else f"define {' and '.join(lost)} there, or "
+    return f"{own}write the name of what was meant"
 
 
 def used_on(source: PythonSource, name: str) -> list[int]:
