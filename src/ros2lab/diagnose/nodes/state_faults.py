@@ -245,7 +245,12 @@ def _given_by_rclpy(state: State, method: Function, name: str) -> str:
     if sent and read == {"feedback"}:
         return f"write feedback_callback=self.{method.name} in the send_goal_async(...) on line {sent.lineno}"
     if called & {"result", "exception"}:
-        return f"pass self.{method.name} to add_done_callback(...) of the future whose result it reads"
+        given = f"pass self.{method.name} to add_done_callback(...) of the future whose result it reads"
+        idle = [method, *(other for _, other in unreached(state.uses.sources).values())]
+        left = {id(node) for other in idle for node in walk(other)}
+        reads = (c for c in state.source.calls if last_name(c.func) == "result" and id(c) not in left)
+        there = next((c for c in reads if not (c.args or c.keywords)), None)
+        return f"{given}; or remove it, if line {there.lineno} reads that result already" if there else given
     return ""
 
 
