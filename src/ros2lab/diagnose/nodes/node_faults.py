@@ -154,10 +154,9 @@ def _member_faults(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
         if not isinstance(node, ast.Attribute) or not is_self_attribute(node) or node.attr in told:
             continue
         found: Finding | None = None
-        if isinstance(node.ctx, ast.Load):
-            if members is not None and node.attr not in members | asked:
-                what = "method" if id(node) in called else "attribute"
-                found = no_such_member(owner, node, what, members)
+        if not owner.source.gives(node) and members is not None and node.attr not in members | asked:
+            what = "method" if id(node) in called else "attribute"
+            found = no_such_member(owner, node, what, members)
         elif isinstance(node.ctx, ast.Store):
             found = _assigned(owner, node, properties)
             if node.attr in taken.keys() - own:

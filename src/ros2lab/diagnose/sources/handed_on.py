@@ -40,7 +40,7 @@ class Given:
         if held - {"self"} and isinstance(scope, (ast.ClassDef, Function)):
             self._is_set_by_name(scope)
         for node in walk(scope):
-            if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            if source.gives(node):
                 self.names |= {node.attr} if ast.unparse(node.value) in held else set()
             elif isinstance(node, ast.Call) and any(ast.unparse(value) in held for value in _given(node)):
                 self._handed_to(source, node.func)

@@ -100,7 +100,7 @@ class NodeClass:
         found = set[str]()
         holders = {"self", "cls", "type(self)", "self.__class__", self.definition.name}
         for node in walk(self.definition):
-            if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            if self.source.gives(node):
                 found |= {node.attr} if ast.unparse(node.value) in holders else set()
         # Only names in the body of the class; a name that a method binds is local.
         inner = own_nodes(self.definition)

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TypeVar
+from typing import TypeGuard, TypeVar
 
 from ros2lab.diagnose.finding import at
 from ros2lab.diagnose.sources.bindings import Import, bound_by, imports_in
@@ -162,6 +162,11 @@ class PythonSource:
         """Return whether an expression is called."""
         around = self.above(node)
         return isinstance(around, ast.Call) and around.func is node
+
+    def gives(self, node: ast.AST) -> TypeGuard[ast.Attribute]:
+        """Return whether a node is an attribute that is given a value, and not only changed, as by `+=`."""
+        is_set = isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store)
+        return is_set and not isinstance(self.above(node), ast.AugAssign)
 
     @cached_property
     def _above(self) -> Mapping[int, ast.AST]:
