@@ -12,12 +12,13 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.rounded_off import rounded_off
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.calls import fitting, meant_call
+from ros2lab.diagnose.sources.calls import filled, fitting, meant_call
 from ros2lab.diagnose.sources.interfaces import field_kind, members_of
 from ros2lab.diagnose.sources.joined_texts import joined
-from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, PUBLISHER, Kind, Kinds, Scope
+from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, SENDER, Kind, Kinds, Scope
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
-from ros2lab.diagnose.sources.python_source import assignments
+from ros2lab.diagnose.sources.python_source import assignments, last_name
+from ros2lab.diagnose.sources.signatures import Signature, signature_by_name
 from ros2lab.diagnose.sources.spelling import did_you_mean, nearest, with_article, write_instead
 from ros2lab.diagnose.sources.syntax_parts import equal_sides, own_parameters
 
@@ -37,7 +38,7 @@ def message_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from _assignment_faults(scope, node)
             elif isinstance(node, ast.Call):
                 yield from _constructor_faults(scope, node)
-                yield from _publish_faults(scope, node)
+                yield from _sent_faults(scope, node)
                 yield from _logger_faults(scope, node)
             elif isinstance(node, (ast.Compare, ast.Match)):
                 if isinstance(node, ast.Compare):
@@ -53,20 +54,20 @@ def message_faults(sources: NodeSources) -> Iterator[Finding]:
                     yield from _field_fault(scope, message, node.attr, node)
 
 
-def filling(message: str, value: str, kind: Kind) -> str:
-    """Say how to publish a value in a message of another type."""
+def filling(message: str, value: str, kind: Kind, method: str = "publish") -> str:
+    """Say how to send a value in a message of another type."""
     name, fields = _short(message), interfaces.fields_of(message)
     if not fields:
         return (
-            f"write publish({name}())" if fields is not None else f"put it into {_described(message)} first"
+            f"write {method}({name}())" if fields is not None else f"put it into {_described(message)} first"
         )
     path, wanted = _first_field(message)
     if kind != wanted:
         is_turned = {kind, wanted} <= {"int", "float"} or (wanted == "str" and kind in PLAIN)
         value = f"{wanted}({value})" if is_turned else "..."
     if len(fields) == 1 and "." not in path:
-        return f"write publish({name}({path}={value}))"
-    return f"write msg = {name}(), fill its fields ({', '.join(fields)}), as in msg.{path} = {value}, and publish(msg)"
+        return f"write {method}({name}({path}={value}))"
+    return f"write msg = {name}(), fill its fields ({', '.join(fields)}), as in msg.{path} = {value}, and {method}(msg)"
 
 
 def _first_field(message: str) -> tuple[str, Kind]:
@@ -83,14 +84,14 @@ def _first_field(message: str) -> tuple[str, Kind]:
 
 
 def _short(kind: str) -> str:
-    return kind.rpartition(".")[2]
+    return kind.rpartition(".")[2].replace("_", ".")
 
 
 def _described(kind: str) -> str:
     """Say what a value is, such as `an int` or `a Twist`."""
     if kind.startswith(CLASS):
         return "the class itself, without ()"
-    return with_article("string" if kind == "str" else kind.rpartition(".")[2])
+    return with_article("string" if kind == "str" else _short(kind))
 
 
 def _assignment_faults(scope: Scope, node: ast.Assign | ast.AnnAssign) -> Iterator[Finding]:
@@ -128,7 +129,7 @@ def _value_faults(
         return  # the comma is reported elsewhere
     elif rounded := [*rounded_off(scope, field, value)] if wanted == "float" else []:
         yield from rounded
-    elif given is not None and given != wanted and not given.startswith(PUBLISHER):
+    elif given is not None and given != wanted and not given.startswith(SENDER):
         target = place if isinstance(place, ast.Attribute) else None
         for finding in _misfit(scope, f"The field {field} of {_short(str(message))}", wanted, given, value):
             finding = replace(finding, about=(str(message),))  # noqa: PLW2901
@@ -319,13 +320,21 @@ def _asked_rightly(field: ast.expr, wanted: str, is_equal: bool, values: list[as
     return f"write `{text} {sign} {float(written):g}`" if is_number else f"compare {text} with a number"
 
 
-def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
+# The methods that send messages, with their classes.
+_SENDS = {
+    "publish": "rclpy.publisher.Publisher",
+    **dict.fromkeys(("call", "call_async"), "rclpy.client.Client"),
+    **dict.fromkeys(("send_goal", "send_goal_async"), "rclpy.action.client.ActionClient"),
+}
+
+
+def _sent_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
     owner = scope.kind(node.func.value) if isinstance(node.func, ast.Attribute) else None
-    if owner is None or not owner.startswith(PUBLISHER) or not isinstance(node.func, ast.Attribute):
+    if owner is None or not owner.startswith(SENDER) or not isinstance(node.func, ast.Attribute):
         return
-    message, method, place = owner.removeprefix(PUBLISHER), node.func.attr, scope.source.at(node)
-    if method != "publish":
-        members = members_of("rclpy.publisher", "Publisher")
+    message, method, place = owner.removeprefix(SENDER), node.func.attr, scope.source.at(node)
+    if method not in _SENDS:
+        members = members_of("rclpy.publisher", "Publisher") if ".msg." in message else ()
         if members and method not in members:
             cause = f"A publisher has no method {method}.{did_you_mean(method, ['publish'])}"
             yield Finding(
@@ -333,29 +342,62 @@ def _publish_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
             )
         return
     given = scope.kind(node.args[0]) if node.args else None
+    signature = signature_by_name(f"{_SENDS[method]}.{method}")
+    if given in (None, *PLAIN) and signature and not signature.accepts(node):
+        yield from _fields_sent(scope, node, message, signature)
+        return
     if given is None or given == message:
         return
     text, what = ast.unparse(node.args[0]), _short(given)
+    code = "publish-type" if method == "publish" else "argument-type"
     if given in PLAIN:
-        code, fix = "publish-text", filling(message, text, given)
+        code = "publish-text" if method == "publish" else "argument-type"
+        fix = filling(message, text, given, method)
+    elif given.removeprefix(CLASS) in (message, message.rpartition("_")[0]):
+        fix = f"write {method}({_short(message)}())"
     elif given.startswith(CLASS):
-        code, fix = "publish-type", f"write publish({what}())"
+        fix = f"write {method}({what}())"
     elif isinstance(node.args[0], ast.Attribute) and scope.kind(node.args[0].value) == message:
-        code, fix = "publish-type", f"write publish({ast.unparse(node.args[0].value)})"
+        fix = f"write {method}({ast.unparse(node.args[0].value)})"
     else:
-        code, fix = "publish-type", _of_other_type(scope, node, message, what)
-    cause = f"publish() needs {_described(message)}, but {text} is {_described(given)}."
+        fix = _of_other_type(scope, node, message, what)
+    cause = f"{method}() needs {_described(message)}, but {text} is {_described(given)}."
     yield Finding(code, cause, place, fix, (message,))
 
 
+def _fields_sent(scope: Scope, node: ast.Call, message: str, signature: Signature) -> Iterator[Finding]:
+    """Yield calls that send values instead of a message with these fields, as in ROS 1, or nothing at all."""
+    fields, method = interfaces.fields_of(message), last_name(node.func)
+    names = [name for name in fields or () if name != "header"]
+    named = [keyword for keyword in node.keywords if not signature.named(str(keyword.arg))]
+    given = dict(zip(names, node.args, strict=False)) | {str(k.arg): k.value for k in named}
+    is_known = len(given) == len(node.args) + len(named) and given.keys() <= {*names}
+    places = [place.name for place in signature.places]
+    if (node.args and scope.kind(node.args[0]) is None) or any(nearest(k.arg, places) for k in named):
+        return
+    what, cause = _described(message), f"{method}() is called without {_described(message)}."
+    if node.args or named:
+        cause = f"{method}() sends {what}, and these values belong in its fields."
+    fix = filling(message, "...", None, method)
+    if given and is_known:
+        whole = filled(message, ast.Dict([*map(ast.Constant, given)], [*given.values()]))
+        kept = [ast.unparse(keyword) for keyword in node.keywords if keyword not in named]
+        fix = f"write `{ast.unparse(node.func)}({', '.join([whole, *kept])})`"
+    elif node.args or named:
+        offered = f" ({', '.join(names)})" if names else ""
+        fix = f"write msg = {_short(message)}(), give its fields{offered} these values, and {method}(msg)"
+    code = "argument-unknown" if node.args or named else "argument-missing"
+    yield Finding(code, cause, scope.source.at(node), fix, (message,))
+
+
 def _of_other_type(scope: Scope, node: ast.Call, message: str, given: str) -> str:
-    """Say how to make the publisher for the messages that are published with it."""
-    publisher = node.func.value if isinstance(node.func, ast.Attribute) else node
-    made = [value for _, value in scope.assigned(publisher) if isinstance(value, ast.Call) and value.args]
-    if len(made) == 1 and ast.unparse(made[0].args[0]).rpartition(".")[2] == _short(message):
+    """Say how to make what sends for the messages that are sent with it."""
+    sender, given = node.func.value if isinstance(node.func, ast.Attribute) else node, given.partition(".")[0]
+    made = [value for _, value in scope.assigned(sender) if isinstance(value, ast.Call) and value.args]
+    if len(made) == 1 and last_name(made[0].args[0]) == _short(message).partition(".")[0]:
         written = ast.unparse(made[0]).replace(ast.unparse(made[0].args[0]), given, 1)
-        return f"write `{written}` on line {made[0].lineno}, or publish {_described(message)} here"
-    return f"publish {_described(message)}, or create the publisher with {given}"
+        return f"write `{written}` on line {made[0].lineno}, or send {_described(message)} here"
+    return f"send {_described(message)}, or create what sends it with {given}"
 
 
 def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
@@ -370,7 +412,7 @@ def _logger_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         cause = f"A logger's {function.attr}() takes one string, but is given {len(node.args)} values."
         fix = f"write {function.attr}({joined(node.args)})"
         yield Finding("logger-arguments", cause, scope.source.at(node), fix)
-    elif kind is not None and kind != "str" and not kind.startswith(PUBLISHER):
+    elif kind is not None and kind != "str" and not kind.startswith(SENDER):
         cause = f"A logger's {function.attr}() takes a string, but {value} is {_described(kind)}."
         fix = f"write {function.attr}(str({value}))"
         yield Finding("logger-arguments", cause, scope.source.at(node), fix)

@@ -407,7 +407,7 @@ def one_each(call: ast.Call) -> list[str]:
 
 def filled(message: str, value: ast.expr | None) -> str:
     """Return a message made from a value: `Vector3(x=0.5)`, or `Vector3(x=1.0, y=0.0, z=0.0)` from three."""
-    name, fields = message.rpartition(".")[2], interfaces.fields_of(message) or {}
+    name, fields = message.rpartition(".")[2].replace("_", "."), interfaces.fields_of(message) or {}
     rows = [row for row in fields_as_parameters(fields) if row.name != "header"]
     if isinstance(value, ast.Dict):
         given = {getattr(key, "value", ""): item for key, item in zip(value.keys, value.values, strict=True)}

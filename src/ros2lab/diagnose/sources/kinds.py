@@ -3,21 +3,36 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Callable, Mapping
 from functools import cached_property
 
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, argument, assignments, own_nodes
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    argument,
+    assignments,
+    last_name,
+    own_nodes,
+)
 from ros2lab.diagnose.sources.syntax_parts import all_parameters, own_parameters
 
 # The kind of a value: one of `PLAIN`, a message such as "std_msgs.msg.String", its class as
-# "type of std_msgs.msg.String", or "publisher of std_msgs.msg.String"; None if not known.
+# "type of std_msgs.msg.String", or "sender of std_msgs.msg.String"; None if not known. A part of a service or an
+# action is named as its class is: "std_srvs.srv.SetBool_Request".
 Kind = str | None
 
 PLAIN = frozenset(("int", "float", "str", "bool", "list", "dict"))
-PUBLISHER, CLASS = "publisher of ", "type of "
+SENDER, CLASS = "sender of ", "type of "
 PARAMETER = "rclpy.parameter.Parameter"
+# What makes senders: the place and the name of the type, and the part of it that is sent.
+_SENDERS = {
+    "create_publisher": (0, "msg_type", ""),
+    "create_client": (0, "srv_type", "_Request"),
+    "ActionClient": (1, "action_type", "_Goal"),
+}
 _DEEPEST = 12  # names that are followed in a row
 
 _Assigned = Mapping[str, list[ast.expr | None]]
@@ -97,10 +112,20 @@ class Scope:
         self.kinds, self.source, self.owner, self.function = kinds, source, owner, function
 
     def assigned(self, node: ast.AST) -> list[tuple[Scope, ast.expr | None]]:
-        """Return the values that the class assigns to `self.something`; empty for any other expression."""
-        if self.owner is None or not is_self_attribute(node):
+        """Return the values that a class assigns to `self.something`, here or on an object of it; empty if it is none of both."""
+        if not isinstance(node, ast.Attribute):
             return []
-        return self.kinds.attributes_of(self.owner).get(node.attr, [])
+        owner = self.owner if is_self_attribute(node) else self._class_of(node)
+        return self.kinds.attributes_of(owner).get(node.attr, []) if owner else []
+
+    def _class_of(self, node: ast.Attribute) -> NodeClass | None:
+        """Return the class of the object that a variable of the function holds, if only it sets the attribute; else None."""
+        name = ast.unparse(node.value)
+        made = self.kinds.locals_of(self.function).get(name, []) if self.function else []
+        if len(made) != 1 or not isinstance(made[0], ast.Call) or ast.unparse(node) in self.source.stored:
+            return None
+        sources = self.kinds.sources
+        return sources.classes.get(sources.resolve(self.source, made[0].func) or "")
 
     def kind(self, node: ast.AST | None) -> Kind:
         """Return the kind of an expression's value."""
@@ -150,18 +175,18 @@ class Scope:
         return "float" if {left, right} == {"int", "float"} else None
 
     def _call_kind(self, node: ast.Call) -> Kind:
-        name = self.kinds.sources.resolve(self.source, node.func)
+        name = self._interface(node.func) or self.kinds.sources.resolve(self.source, node.func)
         if name == "len" or (name == "round" and len(node.args) == 1):
             return "int"
         if name in PLAIN or interfaces.is_interface(name):
             return name
+        if made := _SENDERS.get(last_name(node.func)):
+            message = self._interface(argument(node, *made[:2]))
+            return f"{SENDER}{message}{made[2]}" if message else None
         if not isinstance(node.func, ast.Attribute):
             return None
         if node.func.attr == "get_parameter":
             return PARAMETER
-        if node.func.attr == "create_publisher":
-            message = self.kinds.sources.resolve(self.source, argument(node, 0, "msg_type"))
-            return f"{PUBLISHER}{message}" if interfaces.is_interface(message) else None
         is_text = node.func.attr in ("format", "join", "upper", "lower", "strip")
         return "str" if is_text and self.kind(node.func.value) == "str" else None
 
@@ -180,14 +205,20 @@ class Scope:
         return self._class_kind(node)
 
     def _attribute_kind(self, node: ast.Attribute) -> Kind:
-        if is_self_attribute(node):
-            return _agreed([scope.kind(value) for scope, value in self.assigned(node)])
+        if values := self.assigned(node):
+            return _agreed([scope.kind(value) for scope, value in values])
         fields = interfaces.fields_of(self.kind(node.value)) or {}
         return self._class_kind(node) or interfaces.field_kind(fields.get(node.attr))
 
     def _class_kind(self, node: ast.expr) -> Kind:
-        name = self.source.resolve(node)
-        return f"{CLASS}{name}" if interfaces.is_interface(name) else None
+        name = self._interface(node)
+        return f"{CLASS}{name}" if name else None
+
+    def _interface(self, node: ast.expr | None) -> str:
+        """Return the class of messages that an expression names; empty if it names none."""
+        name = self.kinds.sources.resolve(self.source, node) or ""
+        name = re.sub(r"\.(?=(?:Request|Response|Goal|Result|Feedback)$)", "_", name)
+        return name if interfaces.is_interface(name) else ""
 
 
 def _asks_for_type(function: Function, name: str) -> bool:
