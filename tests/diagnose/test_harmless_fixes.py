@@ -110,6 +110,8 @@ CLIENT = "self.client = ActionClient(self, Fibonacci, 'go')\nself.client.send_go
         (f'{PUB}\n"""\nself.create_timer(1.0, self.drive)\n"""', SEND.format("drive"), "take line 18 out of the quotes around it, which uses it, or remove drive()"),
         (CLIENT, "def feedback_callback(self, heard):\n    print(heard.feedback.sequence)", "write feedback_callback=self.feedback_callback in the send_goal_async(...) on line 17"),
         (CLIENT, "def done_callback(self, future):\n    print(future.result())", "pass self.done_callback to add_done_callback(...) of the future whose result it reads"),
+        (CLIENT, "def done_callback(self, future):\n    print(future.result())\n\ndef end_callback(self, future):\n    print(future.result())", "pass self.end_callback to add_done_callback(...) of the future whose result it reads"),
+        (f"{CLIENT}\nself.future = self.client.send_goal_async(Fibonacci.Goal())\nrclpy.spin_until_future_complete(self, self.future)\nprint(self.future.result())", "def done_callback(self, future):\n    print(future.result())", "pass self.done_callback to add_done_callback(...) of the future whose result it reads; or remove it, if line 20 reads that result already"),
     ],
 )  # fmt: skip
 def test_what_nothing_calls_is_begun_as_what_it_is(tmp_path: Path, made: str, method: str, fix: str) -> None:

@@ -115,3 +115,28 @@ def test_what_a_module_has_is_right(tmp_path: Path, imports: str, use: str) -> N
 def test_another_spelling_in_the_same_module_comes_first(tmp_path: Path) -> None:
     ((cause, _),) = told(tmp_path, "import geometry_msgs.msg", "geometry_msgs.msg.twist()")
     assert "Did you mean Twist?" in cause
+
+
+def in_except(folder: Path, caught: str) -> str:
+    files = Files.right(NAME).change("PACKAGE/MODULE.py", "import rclpy\n", "import rclpy\nimport json\n")
+    made = f"self.count += 1\n        try:\n            self.made = 1\n        except {caught}:\n            self.made = 0"
+    files.change("node", "self.count += 1", made)
+    return next(f.cause for f in of_workspace(files.write(folder)) if f.code == "attribute-missing")
+
+
+@pytest.mark.parametrize(
+    ("caught", "cause"),
+    [
+        ("rclpy.ROSException", "rclpy has no ROSException."),  # rclpy.exceptions is a module
+        ("json.JSONDecodeErorr", "json has no JSONDecodeErorr. Did you mean JSONDecodeError?"),
+        ("json.Dump", "json has no Dump."),
+    ],
+)
+def test_only_an_exception_is_offered_to_be_caught(tmp_path: Path, caught: str, cause: str) -> None:
+    assert in_except(tmp_path, caught) == cause
+
+
+def test_what_a_module_imports_from_another_package_is_not_meant(tmp_path: Path) -> None:
+    assert told(tmp_path, "import math", "rclpy.Lists") == [
+        ("rclpy has no Lists.", "fix the spelling of Lists, or use what rclpy has instead")
+    ]

@@ -163,3 +163,40 @@ def test_an_attribute_is_meant_as_it_is_used(tmp_path: Path, init: str, methods:
         if isinstance(node, ast.Attribute) and ast.unparse(node.value) == "self" and node.attr not in members
     )
     assert fix in no_such_member(owner, missing, "attribute", members).fix
+
+
+LEFT = "def heard(self, msg):\n    self.get_logger().info(msg.data)\n    if msg.data == 'end':\n        rclpy.shutdown()\n        {}\n\ndef leave(self):\n    sys.exit(0)"
+BARE = "rclpy.spin(Lamp())\nrclpy.shutdown()"
+FINALLY = "try:\n    rclpy.spin(Lamp())\nfinally:\n    rclpy.shutdown()"
+CAUGHT = "try:\n    rclpy.spin(Lamp())\nexcept {}:\n    pass\nrclpy.shutdown()"
+
+
+@pytest.mark.parametrize(
+    ("way", "main", "is_told"),
+    [
+        ("self.get_logger().info('bye')", BARE, True),
+        ("sys.exit(1)", BARE, False),
+        ("raise SystemExit", BARE, False),
+        ("raise ValueError(msg.data)", BARE, False),
+        ("os._exit(1)", FINALLY, False),
+        ("self.leave()", BARE, False),
+        ("self.leave()", FINALLY, True),
+        ("sys.exit(1)", CAUGHT.format("KeyboardInterrupt"), False),
+        ("sys.exit(1)", CAUGHT.format("SystemExit"), True),
+        ("raise KeyboardInterrupt", CAUGHT.format("KeyboardInterrupt"), True),
+        ("if self.sent:\n            sys.exit(1)", BARE, True),
+    ],
+)
+def test_a_second_shutdown_is_come_to_after_the_first(
+    tmp_path: Path, way: str, main: str, is_told: bool
+) -> None:
+    """A callback that ends the program, or raises an error, is left past what is not in a `finally`."""
+    told = findings(tmp_path, SUB + "self.sent = 0", LEFT.format(way), f"rclpy.init()\n{main}")
+    assert ("shutdown-in-callback" in [finding.code for finding in told]) == is_told
+
+
+def test_a_callback_may_end_the_program_at_its_end(tmp_path: Path) -> None:
+    once = (
+        "def heard(self, msg):\n    self.get_logger().info(msg.data)\n    rclpy.shutdown()\n    sys.exit(0)"
+    )
+    assert [*findings(tmp_path, SUB, once, f"rclpy.init()\n{BARE}")] == []

@@ -17,7 +17,7 @@ from ros2lab.diagnose.sources.interfaces import field_kind, members_of
 from ros2lab.diagnose.sources.joined_texts import joined
 from ros2lab.diagnose.sources.kinds import CLASS, PARAMETER, PLAIN, SENDER, Kind, Kinds, Scope
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeSources
-from ros2lab.diagnose.sources.python_source import assignments, last_name
+from ros2lab.diagnose.sources.python_source import assignments, given_to, last_name
 from ros2lab.diagnose.sources.signatures import Signature, signature_by_name
 from ros2lab.diagnose.sources.spelling import did_you_mean, nearest, with_article, write_instead
 from ros2lab.diagnose.sources.syntax_parts import equal_sides, own_parameters
@@ -343,50 +343,47 @@ def _sent_faults(scope: Scope, node: ast.Call) -> Iterator[Finding]:
         return
     given = scope.kind(node.args[0]) if node.args else None
     signature = signature_by_name(f"{_SENDS[method]}.{method}")
-    if given in (None, *PLAIN) and signature and not signature.accepts(node):
+    if (given in PLAIN or not node.args) and signature and not signature.accepts(node):
         yield from _fields_sent(scope, node, message, signature)
         return
     if given is None or given == message:
         return
     text, what = ast.unparse(node.args[0]), _short(given)
-    code = "publish-type" if method == "publish" else "argument-type"
     if given in PLAIN:
-        code = "publish-text" if method == "publish" else "argument-type"
         fix = filling(message, text, given, method)
     elif given.removeprefix(CLASS) in (message, message.rpartition("_")[0]):
         fix = f"write {method}({_short(message)}())"
-    elif given.startswith(CLASS):
-        fix = f"write {method}({what}())"
     elif isinstance(node.args[0], ast.Attribute) and scope.kind(node.args[0].value) == message:
         fix = f"write {method}({ast.unparse(node.args[0].value)})"
     else:
-        fix = _of_other_type(scope, node, message, what)
+        fix = (
+            f"write {method}({what}())"
+            if given.startswith(CLASS)
+            else _of_other_type(scope, node, message, what)
+        )
+    code = "publish-text" if given in PLAIN else "publish-type"
     cause = f"{method}() needs {_described(message)}, but {text} is {_described(given)}."
-    yield Finding(code, cause, place, fix, (message,))
+    yield Finding(code if method == "publish" else "argument-type", cause, place, fix, (message,))
 
 
 def _fields_sent(scope: Scope, node: ast.Call, message: str, signature: Signature) -> Iterator[Finding]:
     """Yield calls that send values instead of a message with these fields, as in ROS 1, or nothing at all."""
-    fields, method = interfaces.fields_of(message), last_name(node.func)
-    names = [name for name in fields or () if name != "header"]
-    named = [keyword for keyword in node.keywords if not signature.named(str(keyword.arg))]
-    given = dict(zip(names, node.args, strict=False)) | {str(k.arg): k.value for k in named}
-    is_known = len(given) == len(node.args) + len(named) and given.keys() <= {*names}
+    method, what, values = last_name(node.func), _described(message), given_to(node)
     places = [place.name for place in signature.places]
-    if (node.args and scope.kind(node.args[0]) is None) or any(nearest(k.arg, places) for k in named):
+    if any(keyword.arg in places or nearest(keyword.arg, places) for keyword in node.keywords):
         return
-    what, cause = _described(message), f"{method}() is called without {_described(message)}."
-    if node.args or named:
-        cause = f"{method}() sends {what}, and these values belong in its fields."
-    fix = filling(message, "...", None, method)
-    if given and is_known:
-        whole = filled(message, ast.Dict([*map(ast.Constant, given)], [*given.values()]))
-        kept = [ast.unparse(keyword) for keyword in node.keywords if keyword not in named]
-        fix = f"write `{ast.unparse(node.func)}({', '.join([whole, *kept])})`"
-    elif node.args or named:
-        offered = f" ({', '.join(names)})" if names else ""
-        fix = f"write msg = {_short(message)}(), give its fields{offered} these values, and {method}(msg)"
-    code = "argument-unknown" if node.args or named else "argument-missing"
+    names = [name for name in interfaces.fields_of(message) or () if name != "header"]
+    given = dict(zip(names, node.args, strict=False)) | {str(k.arg): k.value for k in node.keywords}
+    is_whole = len(given) == len(values) and given.keys() <= {*names}
+    whole = filled(message, ast.Dict([*map(ast.Constant, given)], [*given.values()]) if is_whole else None)
+    more = f", with these values in its fields ({', '.join(names) or 'ros2 interface show lists them'})"
+    cause = f"{method}() sends {what}, and these values belong in its fields."
+    code, cause = (
+        ("argument-unknown", cause)
+        if values
+        else ("argument-missing", f"{method}() is called without {what}.")
+    )
+    fix = f"write `{ast.unparse(node.func)}({whole})`{'' if is_whole else more}"
     yield Finding(code, cause, scope.source.at(node), fix, (message,))
 
 

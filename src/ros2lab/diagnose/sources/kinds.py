@@ -175,14 +175,14 @@ class Scope:
         return "float" if {left, right} == {"int", "float"} else None
 
     def _call_kind(self, node: ast.Call) -> Kind:
-        name = self._interface(node.func) or self.kinds.sources.resolve(self.source, node.func)
-        if name == "len" or (name == "round" and len(node.args) == 1):
-            return "int"
-        if name in PLAIN or interfaces.is_interface(name):
-            return name
         if made := _SENDERS.get(last_name(node.func)):
             message = self._interface(argument(node, *made[:2]))
             return f"{SENDER}{message}{made[2]}" if message else None
+        name = self.kinds.sources.resolve(self.source, node.func)
+        if name == "len" or (name == "round" and len(node.args) == 1):
+            return "int"
+        if name in PLAIN or self._interface(node.func):
+            return self._interface(node.func) or name
         if not isinstance(node.func, ast.Attribute):
             return None
         if node.func.attr == "get_parameter":
