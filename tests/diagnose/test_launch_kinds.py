@@ -359,3 +359,28 @@ def test_a_text_is_no_action(tmp_path: Path, here: str, before: str, fix: str) -
     root = Files.right(NAMES[1]).put("launch/robot.launch.py", text).write(tmp_path)
     found = [f for f in of_workspace(root) if "a text is among them" in f.cause]
     assert [finding.fix.startswith(fix) for finding in found] == [True] * bool(fix)
+
+
+USES = {
+    "by its name": ("conf = LaunchConfiguration('speed')", True),
+    "by its name alone": ("conf = LaunchConfiguration('prefix')", False),
+    "by a name that is worked out": ("confs = [LaunchConfiguration(f'{n}ed') for n in ['spe']]", True),
+    "as another name": ("Conf = LaunchConfiguration", True),
+    "given to a function": ("confs = [*map(LaunchConfiguration, ['speed'])]", True),
+    "as a base class": ("class Choice(LaunchConfiguration):\n        pass", True),
+    "in a condition": ("when = LaunchConfigurationEquals('speed', '1.0')", True),
+}
+
+
+@pytest.mark.parametrize("name", USES)
+def test_an_argument_is_unused_only_if_all_that_is_used_is_known(tmp_path: Path, name: str) -> None:
+    line, is_used = USES[name]
+    text = (
+        FILE.replace("BEFORE", line)
+        .replace("HERE", "")
+        .replace("        OpaqueFunction(function=rides),\n", "")
+    )
+    text = text.replace("INSIDE", "pass").replace("default_value=''", "default_value='x', description='y'")
+    look = of_workspace(Files.right(NAMES[1]).put("launch/robot.launch.py", text).write(tmp_path))
+    unused = [one.cause for one in look if one.code == "launch-unused"]
+    assert any("argument speed is declared" in cause for cause in unused) != is_used

@@ -23,6 +23,17 @@ def arguments_named(
                     yield name, call
 
 
+def all_named(source: PythonSource, *kinds: str) -> dict[str, ast.Call] | None:
+    """Return the launch arguments that some classes name in a file, each with its call; None if they may name others.
+
+    So they may where a name is worked out, and where a class is not called: as a base class, or given to a function.
+    """
+    named = [*arguments_named(source, *kinds)]
+    known = {id(call.func) for _, call in named}
+    meant = (n for n in source.nodes if isinstance(n, (ast.Name, ast.Attribute)) and id(n) not in known)
+    return None if any((source.resolve(n) or "").rpartition(".")[2] in kinds for n in meant) else dict(named)
+
+
 def sections_in(text: str) -> list[tuple[str, Mapping[Any, Any]]]:
     """Return the sections of a parameter file with their parameters; none if it cannot be read."""
     try:

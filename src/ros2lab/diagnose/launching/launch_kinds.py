@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding, lines_in_words
-from ros2lab.diagnose.launching.launch_arguments import arguments_named
+from ros2lab.diagnose.launching.launch_arguments import all_named, arguments_named
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 from ros2lab.diagnose.sources.signatures import heads_of, signature_of
 
@@ -183,11 +183,11 @@ def _arguments(call: ast.expr) -> list[ast.expr]:
 def _plain_words(source: PythonSource) -> Iterator[Finding]:
     """Yield texts that are only the name of a declared argument, where its value is meant."""
     declared = {name for name, _ in arguments_named(source, "DeclareLaunchArgument")}
-    read = {name for name, _ in arguments_named(source, *READING)}
+    read = all_named(source, *READING)
     for call in calls_of_launch(source):
         for word, form in _words(source, call):
             name = _VAR.sub(r"\1", str(word.value))
-            if name in declared and (form or name != word.value or name not in read):
+            if name in declared and (form or name != word.value or (read is not None and name not in read)):
                 new = f"LaunchConfiguration({name!r})"
                 cause = f"{word.value!r} here is only the word; the value of the launch argument is {new}."
                 fix = f"write {(form or '{}').format(new)} instead of {word.value!r}"
