@@ -17,6 +17,12 @@ ASKING = {
     "with its own terminal": ("    name = input('name> ')\n", ", prefix='xterm -e'", False),
     "only at a terminal": ("    if sys.stdin.isatty():\n        name = input('name> ')\n", "", False),
     "where the error is caught": ("    try:\n        name = input()\n    except EOFError:\n        name = 'a'\n", "", False),
+    "after what leaves without one": ("    if not sys.stdin.isatty():\n        return\n    name = input('name> ')\n", "", False),
+    "after a try that leaves": ("    try:\n        os.get_terminal_size()\n    except OSError:\n        return\n    else:\n        name = input()\n", "", False),
+    "where the error is passed over": ("    with contextlib.suppress(EOFError):\n        name = input()\n", "", False),
+    "where only an interrupt is caught": ("    try:\n        name = input()\n    except KeyboardInterrupt:\n        return\n", "", True),
+    "in a condition": ("    if input('go? ') == 'n':\n        return\n", "", True),
+    "in each round": ("    while True:\n        if input('go? ') == 'y':\n            break\n", "", True),
     "nothing": ("    name = 'input'\n", "", False),
 }  # fmt: skip
 HEAD = "from launch.actions import RegisterEventHandler, Shutdown\nfrom launch.event_handlers import OnProcessExit, OnExecutionComplete\n"
@@ -34,7 +40,9 @@ WAITING = {
 @pytest.mark.parametrize(("lines", "more", "is_told"), ASKING.values(), ids=ASKING)
 def test_a_launched_program_has_no_keyboard(tmp_path: Path, lines: str, more: str, is_told: bool) -> None:
     files = right_workspace().change(
-        "driver", "import rclpy\n", "import getpass\nimport sys\n\nimport rclpy\n"
+        "driver",
+        "import rclpy\n",
+        "import contextlib\nimport getpass\nimport os\nimport sys\n\nimport rclpy\n",
     )
     files.change("driver", "def main(args=None):\n", f"def main(args=None):\n{lines}")
     files.change(LAUNCH, DRIVER, f"{DRIVER}{more}")

@@ -7,13 +7,14 @@ import re
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.explaining.sections_read import sections_read
-from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.finding import SAID, Finding, is_about_life
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
-from ros2lab.diagnose.printed.spots import place_of, spot_at, statement_around
+from ros2lab.diagnose.printed.spots import place_of, spot_at, spot_of, statement_around
 from ros2lab.diagnose.sources.package import SourcePackage
 
 _NAME = re.compile(r"[A-Za-z_]\w{2,}")
+_QUOTED = re.compile(r"`([^`(]{3,})(?:\(.*?)?`")  # code in a sentence, up to the arguments of a call
 _BUILDS_ALL = re.compile(r"\bcolcon build\b(?!.*--packages-(?:select|up-to|start|end|ignore|skip))")
 
 
@@ -75,7 +76,10 @@ def is_refuted(finding: Finding, error: ErrorText, look: Look) -> bool:
 
 
 def seen_there(said: Finding, error: ErrorText, known: Sequence[Finding], look: Look) -> list[Finding]:
-    """Return what is known of the line or file of a message that is only passed on, if both name the same thing there."""
+    """Return what is known of the line or file of a message that is only passed on, if both name the same thing there.
+
+    A function in C that is called at a wrong time, or from a wrong place, seldom says so in its message.
+    """
     if said.code != SAID or not said.place:
         return []
     message = error.report.message if error.report else said.cause
@@ -83,4 +87,9 @@ def seen_there(said: Finding, error: ErrorText, known: Sequence[Finding], look: 
     about = [finding for finding in known if names & {*_NAME.findall(finding.cause)}]
     lines = statement_around(said.place, look)
     seen = {(f.code, f.place.partition(":")[0]) for f in about if f.place in lines}
-    return [f for f in about if (f.code, f.place.partition(":")[0]) in seen]
+    failed = (spot := spot_of(error.report, look)).part or spot.text
+    here = (
+        f for f in known if is_about_life(f) and f.place.partition(":")[0] == said.place.partition(":")[0]
+    )
+    early = [f for f in here if any(code in failed for code in _QUOTED.findall(f.cause))]
+    return [f for f in about if (f.code, f.place.partition(":")[0]) in seen] or early

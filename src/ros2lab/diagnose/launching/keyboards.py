@@ -8,10 +8,13 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.launching.started_faults import Started
-from ros2lab.diagnose.sources.python_source import PythonSource, last_name, walk
+from ros2lab.diagnose.sources.caught import may_be_caught
+from ros2lab.diagnose.sources.one_run import blocks, decided, may_end
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, walk
 
 _READ = frozenset(("input", "getpass.getpass", "sys.stdin", "curses.wrapper", "curses.initscr"))
-_DECIDES = (ast.If, ast.IfExp, ast.BoolOp, ast.Match)  # the program may well do without
+_LOOPS = (ast.For, ast.AsyncFor, ast.While)
+_ERRORS = (EOFError, OSError, RuntimeError)  # where one is caught, the program may well do without
 
 
 def keyboard_faults(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Finding]:
@@ -34,7 +37,7 @@ def keyboard_faults(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Find
         if found := next(read, None):
             source, inner = found
             program, package = node.launched.executable, node.package.name
-            cause = f"ros2 launch gives the programs that it starts no keyboard, so what is typed never reaches `{ast.unparse(inner)}` in {program}."
+            cause = f"ros2 launch gives the programs that it starts no keyboard, but `{ast.unparse(inner)}` in {program} needs one."
             fix = f"take {program} out of {file.shown}, and start it in a terminal of its own: ros2 run {package} {program}"
             yield Finding("callback-waits", cause, source.at(inner), fix, (program,))
 
@@ -53,12 +56,16 @@ def _reads(source: PythonSource, node: ast.AST) -> bool:
 
 
 def _is_decided(source: PythonSource, node: ast.AST) -> bool:
-    """Return whether a condition, or an error that is caught, decides about what a node does."""
-    above = source.above(node)
-    while above is not None:
-        handlers = above.handlers if isinstance(above, ast.Try) else []
-        caught = {last_name(handler.type) for handler in handlers}
-        if isinstance(above, _DECIDES) or caught - {"KeyboardInterrupt", "ExternalShutdownException"}:
+    """Return whether a condition, a statement before it, or an error that is caught decides about what a node does."""
+    inner, above = node, source.above(node)
+    while above is not None and not isinstance(inner, Function):
+        # Such as isatty() asks whether there is a keyboard.
+        is_asked = inner is getattr(above, "test", None) and not isinstance(node, ast.Call)
+        if (is_asked or inner in decided(above)) and not isinstance(above, (*_LOOPS, Function)):
             return True
-        above = source.above(above)
-    return False
+        block = next((block for block in blocks(above) if inner in block), [])
+        number = next((n for n, statement in enumerate(block) if statement is inner), 0)
+        if any(map(may_end, block[:number])):
+            return True
+        inner, above = above, source.above(above)
+    return may_be_caught(source, getattr(node, "lineno", 0), *_ERRORS)

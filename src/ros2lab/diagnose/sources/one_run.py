@@ -20,7 +20,6 @@ from ros2lab.diagnose.sources.python_source import (
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
-_LEAVES = (ast.Return, ast.Raise)
 _EXITS = frozenset(("exit", "quit", "sys.exit", "os._exit"))
 _BLOCKS = dict.fromkeys((ast.If, ast.While, ast.For, ast.AsyncFor, ast.IfExp), ("body", "orelse"))
 _SCOPES = dict.fromkeys((ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef, ast.Lambda), ("body",))
@@ -84,9 +83,14 @@ def _comes_to(block: Sequence[ast.stmt], node: ast.AST) -> bool:
     for statement in block:
         if node in walk(statement):
             return _passes(statement, node)
-        if any(isinstance(n, _LEAVES) or (isinstance(n, ast.stmt) and leaves(n)) for n in _own(statement)):
+        if may_end(statement):
             return False
     return False
+
+
+def may_end(statement: ast.stmt) -> bool:
+    """Return whether the function may end at a statement or in it."""
+    return any(isinstance(node, ast.stmt) and leaves(node) for node in _own(statement))
 
 
 def _passes(statement: ast.stmt, node: ast.AST) -> bool:
@@ -95,11 +99,11 @@ def _passes(statement: ast.stmt, node: ast.AST) -> bool:
         blocks = [statement.body, getattr(statement, "finalbody", [])]
         if inside := [block for block in blocks if any(node in walk(inner) for inner in block)]:
             return _comes_to(inside[0], node)
-    decided = (node for outer in walk(statement) for part in _decided(outer) for node in walk(part))
-    return all(inner is not node for inner in decided)
+    parts = (node for outer in walk(statement) for part in decided(outer) for node in walk(part))
+    return all(inner is not node for inner in parts)
 
 
-def _decided(node: ast.AST) -> list[ast.AST]:
+def decided(node: ast.AST) -> list[ast.AST]:
     """Return the parts of a node that do not always run when it does, or not just then."""
     if isinstance(node, ast.BoolOp):
         return [*node.values[1:]]
