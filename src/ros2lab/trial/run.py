@@ -81,12 +81,12 @@ def try_out(
         WorkspaceError: if nothing was built, or its `setup.bash` cannot be sourced.
     """
     look = Look(root, loads=True)
-    programs = [*itertools.islice(_programs(look, Workspace(root).overlay), MOST_PROGRAMS)]
-    if not programs:
-        return Trial([], [_why_none(look)], read)
     assignment = _assignment_for(look)
     environment.remove_dead_shared_memory()
-    with scratch_folder() as notes, contextlib.ExitStack() as leases:
+    with scratch_folder() as notes, scratch_folder() as given, contextlib.ExitStack() as leases:
+        programs = [*itertools.islice(_programs(look, Workspace(root).overlay, given), MOST_PROGRAMS)]
+        if not programs:
+            return Trial([], [_why_none(look)], read)
         noting = environ_in(notes, look.root, programs[0].environ)
         programs = [replace(program, environ={**program.environ, **noting}) for program in programs]
         jobs = [_OwnJob(leases, [program]) for program in programs]
@@ -122,7 +122,7 @@ def _why_none(look: Look) -> str:
     return "No package in this workspace has installed a program; build the workspace, then run this again."
 
 
-def _programs(look: Look, overlay: Mapping[str, str]) -> Iterator[Program]:
+def _programs(look: Look, overlay: Mapping[str, str], folder: Path) -> Iterator[Program]:
     environ = {
         name: value for name, value in overlay.items() if name not in ("HOME", "PWD", "OLDPWD", "SHLVL", "_")
     }
@@ -131,7 +131,10 @@ def _programs(look: Look, overlay: Mapping[str, str]) -> Iterator[Program]:
         for path in sorted((prefix / "lib" / package.name).glob("*")) if prefix else ():
             if path.is_file() and path.stat().st_mode & 0o111:
                 started = look.launched.get((package.name, path.name))
-                arguments = _arguments(started, look.packages) if started else own_file(package, path.name)
+                values = folder / f"{package.name}-{path.name}.yaml"
+                arguments = (
+                    _arguments(started, look.packages, values) if started else own_file(package, path.name)
+                )
                 yield Program(path.name, [path, *arguments], environ)
 
 
@@ -157,9 +160,10 @@ def own_file(package: SourcePackage, program: str) -> list[str]:
     return ["--ros-args", "--params-file", str(named[0])] if len(named) == 1 else []
 
 
-def _arguments(started: Started, packages: Sequence[SourcePackage]) -> list[str]:
-    """Return the arguments that launch gives a program."""
+def _arguments(started: Started, packages: Sequence[SourcePackage], values: Path) -> list[str]:
+    """Return the arguments that launch gives a program; `values` is the file for its parameters, as launch writes one."""
     given = started.launched
+    values.write_text(json.dumps({"/**": {"ros__parameters": {**given.values}}}))
     names = {"__node": given.name, "__ns": started.namespace}
     renamed = [*((old, new) for old, new in names.items() if new), *given.remappings]
     folders = {package.name: package.folder for package in packages}
@@ -168,7 +172,7 @@ def _arguments(started: Started, packages: Sequence[SourcePackage]) -> list[str]
         "--ros-args",
         *(word for old, new in renamed for word in ("-r", f"{old}:={new}")),
         *(word for home, path in given.files for word in ("--params-file", str(folders[home] / path))),
-        *(word for name, value in given.values.items() for word in ("-p", f"{name}:={json.dumps(value)}")),
+        *(["--params-file", str(values)] if given.values else []),
     ]
 
 
