@@ -173,3 +173,36 @@ def test_a_string_that_is_made_and_not_used(tmp_path: Path, lines: str, fix: str
     found = [one.fix for one in of_workspace(files.write(tmp_path)) if one.code == "no-effect"]
     assert len(found) == bool(fix)
     assert all(one.startswith(fix) for one in found)
+
+
+@pytest.mark.parametrize(
+    ("lines", "fix"),
+    [
+        ("self.on = 'a' if msg else 'b'", "write msg.data instead of msg"),
+        ("self.on = not msg", "write msg.data instead of msg"),
+        ("while not msg:\n            pass", "write msg.data instead of msg"),
+        ("print(msg.data)\n        if msg:\n            self.on = 1\n        else:\n            self.on = 2", "write msg.data instead of msg"),
+        ("self.declare_parameter('on', True)\n        if self.get_parameter('on'):\n            self.on = msg.data", "write self.get_parameter('on').value instead of"),
+        ("on = self.get_parameter('on')\n        self.on = on and 'a'", "write on.value instead of on"),
+        ("turn = Twist()\n        self.on = 1 if turn else msg.data", "write one of its fields, such as turn.linear, instead of turn"),
+        ("later = self.create_rate(1)\n        self.on = 1 if later else msg.data", "ask what it has instead: "),
+        ("if not msg:\n            return\n        self.on = msg.data", ""),
+        ("self.on = msg and msg.data", ""),
+        ("if msg:\n            self.on = msg.data\n        else:\n            self.on = ''", ""),
+        ("later = None if msg.data else Twist()\n        self.on = 1 if later else 2", ""),
+        ("if self.has_parameter('on') or self.get_name():\n            self.on = msg.data", ""),
+        ("if msg:\n            self.on = 1", "write msg.data instead of msg"),
+        ("if msg:\n            self.on = 1\n\n    def end(self):\n        self.command_callback(None)", ""),
+        ("msg = msg.data\n        if msg:\n            self.on = 1", ""),
+    ],
+)  # fmt: skip
+def test_a_whole_object_is_no_condition(tmp_path: Path, lines: str, fix: str) -> None:
+    files = right_workspace().change(
+        "listener",
+        "        if msg.data == 'start'",
+        f"        {lines}\n        if self.get_name() == 'start'",
+    )
+    files.change("listener", "import rclpy\n", "import rclpy\nfrom geometry_msgs.msg import Twist\n")
+    files.change("listener", ': "{msg.data}"', "")
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "message-compared"]
+    assert [one.fix.startswith(fix) for one in found] == [True] * bool(fix)

@@ -12,16 +12,18 @@ import yaml
 from ros2lab.diagnose.checking.checked_copies import Row, checked
 from ros2lab.diagnose.checking.doubts import contradicted, is_asked_for, is_contradicted, is_of_several
 from ros2lab.diagnose.checking.edits import Edit, all_applied, copied, revealing
+from ros2lab.diagnose.checking.operands import held_in
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, kinds_in, message_annotations, revealed_by
 from ros2lab.diagnose.code.idle_statements import properties, tried_statements
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
+from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import PythonSource, last_name
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, walk
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import equal_sides
+from ros2lab.diagnose.sources.syntax_parts import defaults_of, equal_sides, own_parameters
 
 _FUNCTION = re.compile(r"(?:def|bound method|<method-wrapper|<wrapper-descriptor) .*|Overload\[.*\]")
 # Each type in plain words, and how the type checker writes it; other types are not reported.
@@ -92,17 +94,48 @@ def _compared(source: PythonSource) -> Iterator[_Compared]:
 
 
 def _conditions(source: PythonSource) -> Iterator[_Compared]:
-    """Yield the names that a condition takes as true or false by themselves, unless they are known to be values."""
+    """Yield what a condition takes as true or false by itself: names that are no known values, or that are only asked, and what a node returns."""
     values = {name.rpartition(".")[2] for name in source.stored} | properties(source)
-    tests = [n.test for n in source.nodes if isinstance(n, (ast.If, ast.While, ast.IfExp, ast.Assert))]
-    for test in tests:
+    for test in _tests(source):
         match test:
-            case ast.BoolOp():
-                tests += test.values
-            case ast.UnaryOp(op=ast.Not()):
-                tests.append(test.operand)
             case ast.Attribute(attr=name) | ast.Name(id=name) if name not in values:
                 yield _Compared(test, test, (), is_equal=True)
+            case ast.Name() | ast.Call() if _is_only_asked(source, test):
+                yield _Compared(test, test, (), is_equal=True)
+
+
+def _tests(source: PythonSource) -> list[ast.expr]:
+    """Return the expressions of whose values only the truth counts."""
+    found = [n.test for n in source.nodes if isinstance(n, (ast.If, ast.While, ast.IfExp, ast.Assert))]
+    for node in source.nodes:
+        match node:
+            case ast.UnaryOp(op=ast.Not(), operand=value):
+                found.append(value)
+            case ast.BoolOp(values=[*values, _]):
+                found += values
+    for test in found:
+        found += test.values[-1:] if isinstance(test, ast.BoolOp) else []
+    return found
+
+
+def _is_only_asked(source: PythonSource, value: ast.expr) -> bool:
+    """Return whether only the truth of a value is used: of what a node returns, and of a name in its function or in a choice."""
+    if not isinstance(value, ast.Name):
+        called = getattr(value, "func", None)
+        owner = getattr(getattr(called, "value", None), "id", "")
+        return owner in ("self", "node") and last_name(called) in interfaces.node_members()
+    function, around = source.function_at(value.lineno), source.above(value)
+    while around is not None and not isinstance(around, (ast.If, ast.IfExp, Function)):
+        around = source.above(around)
+    if function is None or value.id in defaults_of(function):
+        return False
+    is_given = value.id in [parameter.arg for parameter in own_parameters(function)]
+    if is_given and function.name in (last_name(call.func) for call in source.calls):
+        return False
+    asked = {id(test) for test in _tests(source)}
+    scopes = [function, *([around] if around is not None and getattr(around, "orelse", None) else [])]
+    used = ([n for n in walk(scope) if isinstance(n, ast.Name) and n.id == value.id] for scope in scopes)
+    return any(all(id(n) in asked or isinstance(n.ctx, ast.Store) for n in names) for names in used)
 
 
 def _lost(source: PythonSource) -> Iterator[_Compared]:
@@ -140,12 +173,15 @@ def _told(
         parts = kind.replace("*", "").split(" | ") if is_of_several(kind) else [kind.replace("*", "")]
         families, text = {_family(part, own) for part in parts}, ast.unparse(comparison.side)
         if not comparison.constants:
-            if isinstance(comparison.node, ast.Call):
+            if comparison.node is not comparison.side and isinstance(comparison.node, ast.Call):
                 yield from _new_text(source, comparison.node) if families == {"a string"} else ()
             elif families == {"a function"} and last_name(comparison.side) not in stored:
                 cause = f"`{text}` only names a function: without parentheses it is not called, and as a condition it is always true."
                 fix = f"write {_call(source, comparison.side, look)} instead of {text}"
                 yield Finding("no-effect", cause, source.at(comparison.side), fix)
+            elif _is_only_asked(source, comparison.side) and (fix := _meant(text, kind)):
+                cause = f"`{text}` is a whole {kind}, which is always true, whatever is in it."
+                yield Finding("message-compared", cause, source.at(comparison.side), fix)
             continue
         wanted = _family_of(comparison.constants[0].value)
         if "" in families or wanted in families or (wanted == "a number" and "a bool" in families):
@@ -157,6 +193,19 @@ def _told(
             f"so `{ast.unparse(comparison.node)}` is {'never' if comparison.is_equal else 'always'} true."
         )
         yield Finding("never-equal", cause, source.at(comparison.node), _fix(comparison, families, wanted))
+
+
+def _meant(text: str, kind: str) -> str:
+    """Say what to ask of an object of ROS that is always true itself; empty if its class may decide otherwise."""
+    if held := held_in(text, kind):
+        return f"write {held} instead of {text}"
+    homes = interfaces.homes_of(kind)
+    if fields := next(filter(None, (interfaces.fields_of(f"{home}.{kind}") for home in homes)), None):
+        return f"write one of its fields, such as {text}.{next(iter(fields))}, instead of {text}"
+    plain = [home for home in homes if (found := interfaces.class_in(home, kind)) and not found.bases]
+    decides = {"__bool__", "__len__"} & {name for home in plain for name in interfaces.members_of(home, kind)}
+    methods = interfaces.methods_of(kind)
+    return f"ask what it has instead: {methods}" if plain and methods and not decides else ""
 
 
 def _new_text(source: PythonSource, call: ast.Call) -> Iterator[Finding]:
