@@ -44,6 +44,8 @@ SUB = "self.create_subscription(String, 'in', self.heard, 10)\n"
 TIMER = "self.create_timer(1.0, self.tick)\n"
 DRIVE = "self.pub = self.create_publisher(Twist, 'drive', 10)\n"
 SEND = "self.pub.publish(String(data='x'))"
+STARTED = "def heard(self, msg):\n    self.timer = self.create_timer(1.0, self.tick)\n\n"
+ENDED = "def end(self):\n    self.timer.cancel()\n\ndef tick(self):\n    self.get_logger().info('on')"
 HEARD = "def heard(self, msg):\n    self.get_logger().info(msg.data)\n"
 
 
@@ -92,6 +94,10 @@ RIGHT = {
     "a note beside a constant speed": (DRIVE + TIMER + "self.speed = 0.5\nself.state = 'idle'", "def tick(self):\n    self.state = 'moving'\n    cmd = Twist()\n    cmd.linear.x = self.speed\n    self.pub.publish(cmd)", SPINS),
     "a place where it began": ("self.x = 0.0\nself.goal = self.x + 5.0\nself.pub = self.create_publisher(Float32, 'out', 10)\n" + TIMER, "def tick(self):\n    self.x += 0.1\n    msg = Float32()\n    msg.data = self.goal\n    if self.x < self.goal:\n        self.pub.publish(msg)", SPINS),
     "a sum in one callback": ("self.sum = 0.0\nself.pub = self.create_publisher(Float32, 'out', 10)\nself.create_subscription(Float32, 'in', self.heard, 10)", "def heard(self, msg):\n    self.sum = 0.0\n    self.sum += msg.data\n    self.sum += 1.5\n    self.pub.publish(Float32(data=self.sum))", SPINS),
+    "a timer that ends itself": (SUB, f"{STARTED}def tick(self):\n    self.timer.cancel()", SPINS),
+    "a timer in place of the one before": (SUB + "self.timer = None", STARTED.replace("    self", "    if self.timer:\n        self.timer.cancel()\n    self", 1) + ENDED, SPINS),
+    "a timer of a node that is not on": (SUB + "self.timer = None", STARTED.replace("    self", "    if msg.data == 'go' and self.timer is None:\n        self", 1) + ENDED, SPINS),
+    "a timer after one that something may end": ("self.wait = self.create_timer(1.0, self.heard)", f"{STARTED.replace(', msg', '')}{ENDED.replace('self.timer', 'self.wait')}", SPINS),
     "a publisher that a method has used": (PUB + f"self.tell()\n{PUB.replace('out', 'other')}" + "self.create_timer(1.0, self.tell)", f"def tell(self):\n    {SEND}", SPINS),
     "a shutdown at the end": (SUB, "def heard(self, msg):\n    self.get_logger().info(msg.data)\n    rclpy.shutdown()", "rclpy.init()\nrclpy.spin(Lamp())"),
     "slow rounds of few messages": (SUB, HEARD, "rclpy.init()\nlamp = Lamp()\nwhile rclpy.ok():\n    rclpy.spin_once(lamp, timeout_sec=0.5)\n    time.sleep(0.5)"),
@@ -118,6 +124,10 @@ WRONG = {
     "a wait that nothing ends": ("callback-waits", SUB + TIMER + "self.word = ''", "def heard(self, msg):\n    self.word = msg.data\n\ndef tick(self):\n    while not self.word:\n        pass\n    self.get_logger().info(self.word)", SPINS, "heard()"),
     "a publisher each time": ("made-again", SUB, "def heard(self, msg):\n    late = self.create_publisher(String, 'late', 10)\n    late.publish(msg)", SPINS, "__init__"),
     "a timer each time": ("timer-in-callback", SUB, "def heard(self, msg):\n    self.create_timer(1.0, self.tick)\n\ndef tick(self):\n    self.get_logger().info('on')", SPINS, "once"),
+    "a timer at each start": ("timer-in-callback", SUB + "self.timer = None", STARTED + ENDED, SPINS, "write `if self.timer is not None:` above this line, and `self.destroy_timer(self.timer)`"),
+    "a timer at one of its words": ("timer-in-callback", SUB, STARTED.replace("    self", "    if msg.data == 'go':\n        self", 1) + ENDED, SPINS, "; and `self.timer = None` in __init__"),
+    "a subscription at each start": ("made-again", SUB, "def heard(self, msg):\n    self.sub = self.create_subscription(String, msg.data, print, 1)\n\ndef end(self):\n    self.destroy_subscription(self.sub)", SPINS, "destroy_subscription(self.sub)"),
+    "a client each time": ("made-again", SUB, "def heard(self, msg):\n    self.client = self.create_client(String, 'ask')\n    self.client.call_async(msg)", SPINS, "__init__"),
     "a counter that begins anew": ("begun-anew", PUB + TIMER + "self.count = 0", "def tick(self):\n    self.count = 0\n    self.count += 1\n    self.pub.publish(String(data=str(self.count)))", SPINS, "remove"),
     "a text of what changes": ("computed-once", PUB + TIMER + "self.count = 0\nself.text = f'at {self.count}'", "def tick(self):\n    self.count += 1\n    self.pub.publish(String(data=self.text))", SPINS, "first line of tick()"),
     "a second shutdown": ("shutdown-in-callback", SUB, "def heard(self, msg):\n    self.get_logger().info(msg.data)\n    rclpy.shutdown()", "rclpy.init()\nrclpy.spin(Lamp())\nrclpy.shutdown()", "rclpy.try_shutdown()"),

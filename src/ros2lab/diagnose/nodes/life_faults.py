@@ -25,17 +25,13 @@ from ros2lab.diagnose.sources.answered import ends_open, plain_returns, unanswer
 from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.one_run import (
-    blocks,
-    in_loops,
-    is_always_reached,
-    own_calls,
-    run_once,
-)
+from ros2lab.diagnose.sources.one_run import blocks, in_loops, is_always_reached, may_end, own_calls, run_once
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
+    assigned_to,
+    given_to,
     is_generator,
     last_name,
     own_nodes,
@@ -127,7 +123,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
     repeated = {
         id(function)
         for creation, function in sources.callbacks()
-        if creation.method in ("create_timer", "create_subscription")
+        if creation.method in ("create_timer", "create_subscription", "create_service")
     }
     seen: set[int] = set()
     for source, function, owner, what in running:
@@ -359,6 +355,7 @@ _AGAIN = {
         )
         for what, more in (
             ("publisher", ""),
+            ("client", ""),
             ("subscription", ", so that each message is received more and more often"),
         )
     },
@@ -366,22 +363,59 @@ _AGAIN = {
 
 
 def _made_again(sources: NodeSources, source: PythonSource, functions: list[Function]) -> Iterator[Finding]:
-    """Yield what a callback creates each time, where none is ended and no condition guards it."""
-    words = {getattr(node, "attr", "") for file in sources.sources.values() for node in file.nodes}
-    if words & {"cancel", "destroy", "destroy_timer", "destroy_subscription", "destroy_publisher"}:
-        return  # what calls it may be stopped, so that it is called once, or what it makes is made anew
+    """Yield what a callback creates each time, where it is not ended before and no state of the node guards it."""
     first = functions[0]
     calls = own_calls(first)
     for function in functions:
         if function is not first and not is_always_reached(first, calls[function.name]):
             continue
         for node in calls_of(own_nodes(function), *_AGAIN):
-            if is_always_reached(function, node):
-                code, does, fix = _AGAIN[getattr(node.func, "attr", "")]
+            ends = _ends_of_last(sources, source, functions, node)
+            if ends is not None and (
+                is_always_reached(function, node) or _asks_message(source, function, node)
+            ):
+                how = getattr(node.func, "attr", "")
+                code, does, fix = _AGAIN[how]
                 if "publisher" in does and _is_used_at_once(sources, source, function, node):
                     does += ", to which no subscriber is connected yet when it is used"
                 cause = f"{first.name}() is called repeatedly and {does}."
+                if ends:
+                    name, end = source.name_of(node), f"self.{how.replace('create', 'destroy')}"
+                    cause += f" `{ast.unparse(ends[0])}` on line {ends[0].lineno} ends only the last one."
+                    fix = f"write `if {name} is not None:` above this line, and `{end}({name})` indented below it"
+                    if len(assigned_to(source.nodes, name)) < 2:
+                        fix += f"; and `{name} = None` in __init__"
                 yield Finding(code, cause, source.at(node), fix)
+
+
+def _ends_of_last(
+    sources: NodeSources, source: PythonSource, functions: list[Function], made: ast.Call
+) -> list[ast.Call] | None:
+    """Return what ends the last of the things that a callback makes; None if something else may be ended, or each of them.
+
+    What calls the callback may be stopped, so that it is called once, or what it makes is made anew.
+    """
+    name, given = source.name_of(made), {last_name(value) for value in given_to(made)}
+    own = [f for f in source.nodes if isinstance(f, Function) and f.name in given]
+    before = {id(node) for function in (*functions, *own) for node in walk(function)}
+    calls = [call for file in sources.sources.values() for call in file.calls]
+    ends = [call for call in calls if re.match("(cancel|destroy)(?!_node)", last_name(call.func) or "")]
+    for call in ends:
+        ended = call.args[0] if call.args else getattr(call.func, "value", call)
+        if not name or id(call) in before or call not in source.calls or ast.unparse(ended) != name:
+            return None
+    return ends
+
+
+def _asks_message(source: PythonSource, function: Function, made: ast.Call) -> bool:
+    """Return whether only what a callback is given decides whether it makes something that it keeps in an attribute."""
+    given, inner = {parameter.arg for parameter in parameters(function)[1:]}, source.above(made)
+    while inner is not None and isinstance(above := source.above(inner), ast.If):
+        if not {n.id for n in walk(above.test) if isinstance(n, ast.Name)} <= given:
+            return False
+        inner = above
+    is_first = inner in function.body and not any(map(may_end, function.body[: function.body.index(inner)]))
+    return is_first and source.name_of(made).startswith("self.")
 
 
 def _is_used_at_once(sources: NodeSources, source: PythonSource, function: Function, made: ast.Call) -> bool:
