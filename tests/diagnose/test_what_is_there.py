@@ -241,6 +241,31 @@ def test_each_if_of_a_chain_is_told(tmp_path: Path) -> None:
         ("rate = self.rates['Stop']", "KeyError: 'Stop'", "write 'stop' instead of 'Stop'"),
         ("humidity = self.parts[1]", "IndexError: list index out of range", "print self.text above line "),
         ("latest = self.kept[3]", "IndexError: list index out of range", "print self.kept on the line above"),
+        (
+            "least = min(self.kept[5:8])",
+            "ValueError: min() arg is an empty sequence",
+            "print len(self.kept), and",
+        ),
+        (
+            "least = max(self.kept[5:])",
+            "ValueError: max() iterable argument is empty",
+            "print len(self.kept), and",
+        ),
+        (
+            "least = min(k for k in self.kept if k < 'a')",
+            "ValueError: min() arg is an empty sequence",
+            "keep the values in a list",
+        ),
+        (
+            "first = self.kept.pop()",
+            "IndexError: pop from empty list",
+            "check first that self.kept is not empty",
+        ),
+        (
+            "one = min(max(self.kept), max(self.parts))",
+            "ValueError: max() arg is an empty sequence",
+            "check first that there is one",
+        ),
     ],
 )
 def test_an_element_that_is_not_there(tmp_path: Path, line: str, said: str, fix: str) -> None:

@@ -8,7 +8,7 @@ import re
 from ros2lab.diagnose.causes.guards import left_out, may_be_left
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import own_nodes
+from ros2lab.diagnose.sources.python_source import last_name, own_nodes
 from ros2lab.diagnose.sources.spelling import nearest
 
 
@@ -52,6 +52,31 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
         return _too_few(spot, name, index, cause)
     fix = f"write {name}[{index} % len({name})] to start again at the first one, or check `if {index} < len({name}):` first"
     return cause, fix
+
+
+def none_left(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix for a function that needs at least one value and is given none."""
+    named = [call for call in spot.calls if last_name(call.func) == match["name"]]
+    calls = [spot.marked] if isinstance(spot.marked, ast.Call) else named
+    given = [call.args[0] if call.args else getattr(call.func, "value", call.func) for call in calls]
+    if len(given) != 1:
+        return f"`{spot.text}` needs at least one value, but is given none.", "check first that there is one"
+    text, need = ast.unparse(given[0]), ast.unparse(calls[0].func)
+    for node in ast.walk(given[0]):
+        match node:
+            case ast.Subscript(value=owner, slice=ast.Slice(lower=ast.Constant(value=int(lower)))) if (
+                lower >= 0
+            ):
+                whole, part = ast.unparse(owner), ast.unparse(node)
+                cause = f"`{part}` is empty, because {whole} has no more than {lower} values here, and {need} needs at least one."
+                return cause, f"print len({whole}), and choose the numbers in the brackets from it"
+            case ast.comprehension(iter=values, ifs=[condition, *_]):
+                cause = f"`{ast.unparse(condition)}` holds for none of {ast.unparse(values)}, and {need} needs at least one value."
+                return cause, "keep the values in a list first, and check with if that it is not empty"
+    return (
+        f"{text} is empty here, and {need} needs at least one value.",
+        f"check first that {text} is not empty",
+    )
 
 
 def key_asked(spot: Spot, key: str = "") -> ast.Subscript | None:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 
 from ros2lab.diagnose.causes import python_values
-from ros2lab.diagnose.causes.elements import beyond, no_key, subscripted
+from ros2lab.diagnose.causes.elements import beyond, no_key, none_left, subscripted
 from ros2lab.diagnose.causes.guards import head
 from ros2lab.diagnose.causes.not_running import destroyed, not_running
 from ros2lab.diagnose.checking.operands import held_in
@@ -220,6 +220,10 @@ _SAYINGS: tuple[_Saying, ...] = (
         r"Replacement index \d+ out of range|not enough arguments for format|not all arguments converted",
         "In `{text}` the string does not have as many placeholders as there are values.",
         "write an f-string, with each value in its place: f'... {{value}}'",
+    ),
+    (
+        r"(?:(?P<name>min|max|pop)\b.*)?\bempty(?: sequence| list| deque)?$|zero-size array|at least one data point",
+        none_left,
     ),
     (r"IndexError: (?P<name>.+)", beyond),
     (r"ZeroDivisionError", python_values.by_zero),
