@@ -71,6 +71,7 @@ def test_what_bears_the_name_is_told_with_what_it_lacks(
     (found, *_) = of_text(NOT_FOUND, root)
     assert (found.code, found.place) == ("package-passed-over", found.cause.partition(" ")[0])
     assert found.place in ("src/kite_camera", "src/kite_camera.tar.gz")
+    assert of_text("ModuleNotFoundError: No module named 'kite_camera'", root) == [found]
     assert cause in found.cause
     assert found.fix.startswith(fix) or fix in found.fix
 

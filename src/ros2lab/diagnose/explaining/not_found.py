@@ -107,19 +107,21 @@ def no_package(name: str, look: Look, error: ErrorText) -> Finding:
 
 def _unknown_package(name: str, look: Look) -> Finding:
     """Say where colcon does not see a package, or which name was meant."""
-    for passed_over in look.passed_over:
-        if passed_over.package.name == name:
-            return hidden(passed_over)
-    if look:
-        named = (f for f in look.findings if f.code == "package-name" and name in f.about)
-        found = next(outside(look.root, name), None) or next(named, None) or nowhere_seen(look.root, name)
-        if found := found or in_another_workspace(look.root, name):
-            return found
+    if found := _unseen(name, look) if look else None:
+        return found
     names = [package.name for package in look.packages]
     cause = f"ROS finds no package {name} in what this terminal has sourced.{did_you_mean(name, names)}"
     near = nearest(name, names)
     do = "check the name, build the workspace, and source install/setup.bash in this terminal"
     return Finding("package-not-found", cause, "", f"write {near} instead of {name}" if near else do)
+
+
+def _unseen(name: str, look: Look) -> Finding | None:
+    """Say where a package is, or a module of its name, that colcon does not see; None if it is nowhere."""
+    passed_over = (hidden(folder) for folder in look.passed_over if folder.package.name == name)
+    named = (f for f in look.findings if f.code == "package-name" and name in f.about)
+    found = next(passed_over, None) or next(outside(look.root, name), None) or next(named, None)
+    return found or nowhere_seen(look.root, name) or in_another_workspace(look.root, name)
 
 
 def no_executable(command: tuple[str, str, str] | None, look: Look, typed: Sequence[str] = ()) -> Finding:
@@ -221,8 +223,8 @@ def no_module(name: str, place: str, look: Look) -> Finding | None:
     if known := _own_module(name, place, look) or _not_installed(top, place):
         return known
     own = {part for package in look.packages for module in package.sources for part in module.split(".")}
-    if found := in_another_workspace(look.root, top) if top not in own else None:
-        return replace(found, place=place)
+    if found := _unseen(top, look) if top not in own else None:
+        return replace(found, place=found.place or place)
     if top in own or nearest_module(name) or any(is_near_miss(top, own_name) for own_name in own):
         return None
     return _of_library(top, place, f"Nothing in the workspace or in ROS is called {top}")
