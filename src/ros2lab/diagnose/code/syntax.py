@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 
 from ros2lab.diagnose.code.block_edits import depth_of, in_words, level_of
+from ros2lab.diagnose.code.merge_conflicts import conflict_in
 from ros2lab.diagnose.code.repair import Repair
 from ros2lab.diagnose.code.syntax_repairs import repairs_of
 from ros2lab.diagnose.finding import Finding, at
@@ -32,6 +33,9 @@ def explained(
     code: str, what: str, place: str, fault: SyntaxError, source: PythonSource | None = None
 ) -> Finding:
     """Explain a syntax error in a cause that begins with `what`; the source is None if only the error's text is known."""
+    if conflict := conflict_in(source.text) if source else None:
+        place = f"{place.rpartition(':')[0]}:{conflict.line}"
+        return Finding(code, f"{what}: {conflict.why}.", place, conflict.told)
     repairs = repairs_of(source.text, fault) if source else []
     newer = newer_syntax(source.text) if source else None
     if source and newer and (newer.version <= _OF_ROS or not repairs):

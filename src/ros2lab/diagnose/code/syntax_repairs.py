@@ -223,9 +223,9 @@ def _around(lines: list[str], place: int) -> Iterator[int]:
 
 
 def _left_out(place: int, line: str) -> Iterator[Repair]:
-    """Yield the removal of a line that is not code: a git conflict marker, a code fence or a prompt."""
+    """Yield the removal of a line that is not code: a code fence or a prompt."""
     if re.match(r"\s*(?:([<=>`~|-])\1{2,}|[$%] )", line):
-        why = f"`{line.strip()[:_SHOWN]}` is not Python: it was left by git, a web page or a terminal"
+        why = f"`{line.strip()[:_SHOWN]}` is not Python: it was left by a web page, a terminal or git"
         yield Repair(place, "", why)
 
 

@@ -13,12 +13,13 @@ from typing import Any
 from ros2lab.diagnose.code.bound_names import bound_in, undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, is_by_comma, path_faults, tuple_by_comma
 from ros2lab.diagnose.code.meant_names import meant
+from ros2lab.diagnose.code.merge_conflicts import conflict_in
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.launching.entity_words import entity_repair
-from ros2lab.diagnose.launching.launch_arguments import arguments_named
-from ros2lab.diagnose.launching.launch_kinds import kind_faults
+from ros2lab.diagnose.launching.launch_arguments import all_named
+from ros2lab.diagnose.launching.launch_kinds import READING, kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values, older_keywords
 from ros2lab.diagnose.launching.plain_values import plain_value_faults, takers
@@ -159,7 +160,7 @@ def _of_ros_nodes(source: PythonSource, own: Collection[str]) -> Iterator[Findin
     yield from comma_faults(source)
     yield from path_faults(source)
     worded = {finding.fix.partition("'")[2].partition("'")[0] for finding in kind_faults(source)}
-    yield from _arguments(source, worded)
+    yield from _arguments(source, worded, own)
     yield from older_keywords(source)
     yield from misplaced_values(source)
     yield from joined_words(source)
@@ -190,16 +191,19 @@ def _lacks_brackets(source: PythonSource, call: ast.Call, keyword: ast.keyword) 
     return any(heads_of(parameter.type) and heads_of(parameter.type) <= LISTS for parameter in places)
 
 
-def _arguments(source: PythonSource, worded: Collection[str]) -> Iterator[Finding]:
-    """Yield arguments declared but not used, or the reverse; none for a file that includes others.
+def _arguments(source: PythonSource, worded: Collection[str], own: Collection[str]) -> Iterator[Finding]:
+    """Yield arguments declared but not used, or the reverse; none for a file that may use others than it names.
 
     Of those in `worded` it is known already how they should be used.
     """
     called = (source.resolve(node.func) or "" for node in source.calls)
     if any(name.rpartition(".")[2].startswith(_MAY_READ_ANY) for name in called):
         return
-    declared = dict(arguments_named(source, "DeclareLaunchArgument"))
-    used = dict(arguments_named(source, "LaunchConfiguration"))
+    if not {imported.target.partition(".")[0] for imported in source.imports}.isdisjoint(own):
+        return
+    declared, used = all_named(source, "DeclareLaunchArgument"), all_named(source, *READING)
+    if declared is None or used is None:
+        return
     strange, idle = [n for n in used if n not in declared], [n for n in declared if n not in used]
     for name in strange:
         # An argument that is not declared here may come from a launch file that includes this one.
@@ -338,7 +342,7 @@ def _read_entities(path: Path, shown: str) -> LaunchFile:
         mark = getattr(error, "problem_mark", None)
         problem = getattr(error, "problem", None) or "it cannot be read"
         line = mark.line + 1 if mark else None
-    slip = entity_repair(text, is_xml=is_xml)
+    slip = conflict_in(text) or entity_repair(text, is_xml=is_xml)
     cause = f"{shown} is not a valid launch file: {(slip.why if slip else '') or problem}."
     fix = "make launch the root element, with the nodes inside it"
     fix = slip.told if slip else "fix this line or the one above" if line else fix

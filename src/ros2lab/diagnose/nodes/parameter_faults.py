@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from ros2lab.diagnose.code.merge_conflicts import conflict_in
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.nodes.parameter_values import of_its_type, value_fix
 from ros2lab.diagnose.nodes.replaced_values import replaced_values
@@ -67,7 +68,7 @@ def unread_file(shown: str, text: str, error: ParameterFileError) -> Finding:
     """Return why a file cannot be read as parameters, or not even as YAML."""
     if isinstance(error, UnreadParameterFileError):
         return not_read(shown, error.line, str(error))
-    slip = parameter_file_repair(text)
+    slip = conflict_in(text) or parameter_file_repair(text)
     why = (slip.why if slip else "") or str(error)
     place, fix = (at(shown, slip.line), slip.told) if slip else (at(shown, error.line), error.fix)
     said = "cannot be read as parameters" if BELOW in text else "is not valid YAML"

@@ -16,6 +16,7 @@ from pathlib import Path
 from shlex import quote
 
 from ros2lab.diagnose.code.imports import ROS_1
+from ros2lab.diagnose.code.merge_conflicts import conflict_in
 from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.packaging.build_order import needed
 from ros2lab.diagnose.packaging.cmake_files import launches_left, named_by_cmake, python_alone
@@ -66,7 +67,9 @@ def manifest_faults(
         text = read_text(package.folder / "package.xml")
         keywords = package.setup.keywords if package.setup else {}
         said = re.sub(r"^(?:Error\(s\): )?(?:- )?", "", " ".join(package.manifest_fault.split()))
-        line, fix = repaired(text, keywords) or (
+        if conflict := conflict_in(text):
+            said = conflict.why
+        line, fix = ((conflict.line, conflict.told) if conflict else repaired(text, keywords)) or (
             package.manifest_line,
             "change it as it says; `colcon list` then shows (ros.ament_python)",
         )
