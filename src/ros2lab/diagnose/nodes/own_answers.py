@@ -35,7 +35,8 @@ def answers_itself(topic: str, there: Sequence[End]) -> Iterator[Finding]:
             )
             if sent is not None:
                 cause = f"The callback of {topic} publishes on {topic}, so the node receives its own messages and answers them endlessly."
-                fix = "publish on another topic, or only under a condition that eventually becomes false"
+                line = end.place.rpartition(":")[2]
+                fix = f"write another topic on line {line}, or publish only under a condition that eventually becomes false"
                 yield Finding("endless-loop", cause, creation.source.at(sent), fix)
 
 

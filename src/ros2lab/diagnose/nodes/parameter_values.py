@@ -88,17 +88,16 @@ def _loses_quotes(value: str) -> bool:
 
 
 def value_fix(name: str, value: str, kind: str, wanted: str) -> str:
-    """Say how to write a value so that YAML reads it as the wanted type, in a file or in a command."""
+    """Say how to write a value so that YAML reads it as the wanted type in a file."""
     plain = value.strip().strip("'\"").replace("_", "")
     digits = re.match(r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?", plain)  # a unit may follow
     number, is_number = f"{Decimal(digits[0].replace(',', '.')):f}" if digits else "", digits is not None
     point = number if "." in number else f"{number}.0"
     fixes = {
-        "DOUBLE": f"write {name}: {point}, without quotes and with a decimal point; in a command: -p {name}:={point}"
-        * is_number,
+        "DOUBLE": f"write {name}: {point}, without quotes and with a decimal point" * is_number,
         "INTEGER": f"write {name}: {number.partition('.')[0]}, a whole number without a decimal point or quotes"
         * is_number,
-        "STRING": f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'; in a command: -p {name}:=\"'{value}'\"",
+        "STRING": f"put it in quotes, or YAML reads it as {kind.lower()}: {name}: '{value}'",
         "BOOL": f"write {name}: true or false, in lower case and without quotes",
     }
     if wanted == "INTEGER" and kind == "DOUBLE" and "." in number:
