@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import contextlib
 import itertools
 import math
 import warnings
@@ -304,20 +303,6 @@ def _constants_in(body: Sequence[ast.stmt]) -> Iterator[tuple[str, object]]:
 
 _OUTER = (ast.Global, ast.Nonlocal)
 _BUILTINS = {"str", "int", "float", "bool", "dict", "list", "tuple", "bytes", "len", "round", "super"}
-
-
-class LibrarySource(PythonSource):
-    """A Python file of a library, which works: its tree has no marks, and nothing is said of it."""
-
-    @cached_property
-    def tree(self) -> ast.Module:
-        """The parsed file; empty if this Python cannot parse it."""
-        with warnings.catch_warnings(), contextlib.suppress(SyntaxError, ValueError, RecursionError):
-            warnings.simplefilter("ignore")
-            tree = self.parsed()
-            bound(tree)
-            return tree
-        return ast.Module([], [])
 
 
 def read_source(path: Path, name: str, shown: str, kind: type[PythonSource] = PythonSource) -> PythonSource:

@@ -12,9 +12,9 @@ from functools import lru_cache
 from pathlib import Path
 
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.library_source import LibrarySource
 from ros2lab.diagnose.sources.python_source import (
     Function,
-    LibrarySource,
     PythonSource,
     parameters,
     read_source,
