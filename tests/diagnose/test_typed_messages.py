@@ -33,7 +33,10 @@ def told(folder: Path, kind: str, word: str) -> tuple[str, str]:
         ("{linear.x: 0.4}", "The message must be", 0.4, 0.0),
         ("linear:", "linear is empty, but it is a message itself", 0.0, 0.0),
         ("{linear:{x:0.4}}", "The space after the colon", 0.4, 0.0),
-        ("{linear: {x: 0.4}, angular: {z: 0.1}", "The message must be", 0.4, 0.1),
+        ("{linear: {x: 0.4}, angular: {z: 0.1}", "The message is not valid YAML", 0.4, 0.1),
+        ("linear: {x: 0.4}, angular: {z: 0.1}", "The message is not valid YAML", 0.4, 0.1),
+        ("{linear: {x: 0.4}, angular: {z: 0.1}}}", "The message is not valid YAML", 0.4, 0.1),
+        ("{linear={x=0.4}}", "The message is not valid YAML", 0.4, 0.0),
     ],
 )
 def test_what_does_not_fit_a_twist(tmp_path: Path, word: str, why: str, x: float, z: float) -> None:

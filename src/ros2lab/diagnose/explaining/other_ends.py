@@ -6,13 +6,13 @@ import ast
 import re
 from collections.abc import Iterator
 
-from ros2lab.diagnose.explaining.own_words import text_pattern
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.topic_faults import End
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.names_there import topic_ends
 from ros2lab.diagnose.printed.spots import Spot, spot_of
+from ros2lab.diagnose.sources.joined_texts import text_pattern
 from ros2lab.diagnose.sources.python_source import PythonSource, assignments, parameters, walk
 
 _READS = frozenset(("json.loads", "float", "int"))

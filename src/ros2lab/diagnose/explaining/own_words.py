@@ -11,6 +11,7 @@ from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.transcript import WARNING
+from ros2lab.diagnose.sources.joined_texts import VALUE, text_of, text_pattern
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.diagnose.sources.uses import is_log
 
@@ -19,7 +20,6 @@ _LOG_LINE = re.compile(
     r"\[(?P<level>DEBUG|INFO|WARN|ERROR|FATAL)\] (?:\[[\d.]+\] )?\[(?P<logger>[\w.]+)\]: (?P<text>.*)"
 )
 _SHORTEST = 8  # characters of a text that is recognized
-_VALUE = re.compile(r"%[-+ 0#]*\d*(?:\.\d+)?[a-zA-Z]|\{[^{}]*\}")  # a placeholder in a format string
 
 _NO_MODULE = re.compile(r"No module named '?([\w.]+)")
 
@@ -95,22 +95,6 @@ def _logged(line: str, look: Look) -> Iterator[tuple[str, str]]:
                     yield match["text"], source.at(call)
 
 
-def text_pattern(written: ast.expr) -> str:
-    """Return a pattern of the texts that an expression may have: what is not written there may be anything."""
-    match written:
-        case ast.Constant(value=str(text)):
-            return re.escape(text)
-        case ast.JoinedStr(values=parts):
-            return "".join(map(text_pattern, parts))
-        case ast.BinOp(left=left, op=ast.Add(), right=right):
-            return text_pattern(left) + text_pattern(right)
-        case ast.BinOp(left=ast.Constant(value=str(text)), op=ast.Mod()):
-            return ".*".join(map(re.escape, _VALUE.split(text)))
-        case ast.Call(func=ast.Attribute(attr="format", value=ast.Constant(value=str(text)))):
-            return ".*".join(map(re.escape, _VALUE.split(text)))
-    return ".*"
-
-
 def _is_own(warning: re.Match[str], below: str, look: Look) -> bool:
     if not own_frames([Frame(warning["file"], int(warning["line"]))]):
         return False
@@ -134,7 +118,6 @@ def _texts(source: PythonSource) -> Iterator[tuple[str, ast.AST]]:
     if source.tree is None or source.fault:
         return
     for node in source.nodes:
-        whole = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
-        for text in map(str.strip, _VALUE.split(whole)):
+        for text in map(str.strip, VALUE.split(text_of(node))):
             if len(text) >= _SHORTEST:
                 yield text, node

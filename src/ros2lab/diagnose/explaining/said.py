@@ -24,6 +24,7 @@ from ros2lab.diagnose.finding import SAID, Finding, at, line_with, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.names_there import node_names, topic_ends
+from ros2lab.diagnose.printed.refusals import is_refusal
 from ros2lab.diagnose.printed.spots import place_of, spot_of
 from ros2lab.diagnose.printed.transcript import (
     LABELLED,
@@ -124,15 +125,15 @@ def _sentence(line: str, error: ErrorText, look: Look) -> Finding | None:
     A mere warning is passed on only if it is known what was meant.
     """
     sentence = PREFIX.sub("", line, count=1)
-    if _SENTENCE.match(without_data(sentence)) and not error.reports:
+    if (is_refusal(sentence) or _SENTENCE.match(without_data(sentence))) and not error.reports:
         quoted = re.findall(r"'([^']+)'", sentence)
-        known = set(_names(look)) if "did you mean" not in sentence else set()
+        meant = re.search(r"(?i:did you mean|possible options:) '?([\w/-]+)", sentence)
+        known = set(_names(look)) if meant is None else set()
         wrong, close = next(((word, name) for word in quoted if (name := nearest(word, known))), ("", None))
         hint = f" Nothing here is called {wrong}; there is {close}." if close else ""
-        meant = re.search(r"did you mean '?([\w/]+)", sentence)
         word = close or (meant[1] if meant else None)
         form = re.search(r"expected format '(.+?)'", sentence)
-        last = " ".join(step_with(line, error.steps).command.split()[:3])
+        last = re.match(r"(?:[a-z]\w* ?){0,3}", step_with(line, error.steps).command)[0].strip()  # type: ignore[index]
         fix = f"`{last} -h` shows its arguments" if last else ""
         fix = f"write {word}" if word else f"write it as {form[1]}" if form else fix
         if word or not LABELLED.match(line):

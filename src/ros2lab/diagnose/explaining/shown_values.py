@@ -6,10 +6,10 @@ import ast
 import re
 from collections.abc import Iterator
 
-from ros2lab.diagnose.explaining.own_words import text_pattern
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.sources.joined_texts import text_pattern
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.uses import is_log
 

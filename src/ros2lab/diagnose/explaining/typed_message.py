@@ -45,9 +45,11 @@ def read_as(word: str, fields: Mapping[str, str]) -> tuple[str, object] | None:
 
 
 def misfit(word: str, fields: Mapping[str, str]) -> str:
-    """Return which fields a type does not have, or hold a value where a message belongs, as a sentence; else empty."""
-    read, _ = _read(word) or ("", "")
-    return _misfit("The message", read, fields) if isinstance(read, dict) else ""
+    """Say why a text is no message: no YAML, a field that its type lacks, or a value in place of a message; else empty."""
+    read = _read(word)
+    if read is None:
+        return "The message is not valid YAML: on one line, its fields stand in braces, with commas between them, and a string with other signs in quotes."
+    return _misfit("The message", read[0], fields) if isinstance(read[0], dict) else ""
 
 
 def _misfit(owner: str, read: Mapping[Any, Any], fields: Mapping[str, str]) -> str:
@@ -151,8 +153,12 @@ def _flowing(word: str, fields: Mapping[str, str]) -> str:
     if both is None:
         if whole := _quoted(word, fields):
             return whole
-        closed = word + "}" * (word.count("{") - word.count("}"))
-        return word if closed == word else _flowing(closed, fields)
+        open_ = word.count("{") - word.count("}")
+        closed = word[:open_] if open_ < 0 else word + "}" * open_
+        spaced = re.sub(r"\s*=\s*", ": ", closed.replace("\t", " "))
+        tried = (closed, f"{{{closed}}}", spaced, f"{{{spaced}}}")
+        better = next((text for text in tried if isinstance((_read(text) or word)[0], dict)), "")
+        return _flowing(better, fields) if better else word
     value, written = both
     if isinstance(value, dict) and any("." in str(name) for name in value):
         return _in_braces(_without_dots(written))

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import io
 import itertools
 import re
-import tokenize
 from collections.abc import Sequence
 from dataclasses import replace
 from shlex import quote
 
 from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.sources.joined_texts import strings
 from ros2lab.diagnose.sources.other_names import meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.setup_script import EntryPoint
@@ -83,7 +82,7 @@ def _without_comma(package: SourcePackage, point: EntryPoint) -> list[tuple[int,
     setup = package.setup
     if setup is None or point.text.count("=") < 2 or not point.line:
         return []
-    texts = _strings(setup.source.text)
+    texts = strings(setup.source.text)
     lines = setup.source.text.splitlines()
     found = []
     for (line, former, is_next), (_, following, _) in itertools.pairwise(texts):
@@ -106,25 +105,6 @@ def _corrected(package: SourcePackage, code: str) -> str:
         return code
     point = EntryPoint(text, None)
     return repr(of_its_parts(package, point) or _in_form(package, point))
-
-
-def _strings(text: str) -> list[tuple[int, str, bool]]:
-    """Return the strings of a file in order: the line on which each ends, its code, and whether one follows directly."""
-    try:
-        tokens = [*tokenize.generate_tokens(io.StringIO(text).readline)]
-    except (tokenize.TokenError, SyntaxError):
-        return []
-    tokens = [token for token in tokens if token.type not in (tokenize.NL, tokenize.COMMENT)]
-    lines = text.splitlines()
-    starts = (tokenize.STRING, getattr(tokenize, "FSTRING_START", tokenize.STRING))
-    ends = (tokenize.STRING, getattr(tokenize, "FSTRING_END", tokenize.STRING))
-    found, start = [], (0, 0)
-    for token, following in itertools.pairwise(tokens):
-        start = token.start if token.type in starts else start
-        if token.type in ends and start[0] == token.end[0]:
-            code = lines[start[0] - 1][start[1] : token.end[1]]
-            found.append((token.end[0], code, following.type in starts))
-    return found
 
 
 def _why(text: str, meant: str = "") -> str:

@@ -9,6 +9,8 @@ import shlex
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from ros2lab.diagnose.printed.refusals import is_refusal
+
 _NAMED = r"^(?:\([\w.-]+\) ?)?[\w.-]+@[\w.-]+:[^$\n]*\$ (?=\S)|^[\w.-]+@[\w.-]+:?\S* ?# |^>>> "
 _PLAIN = re.compile(r"^[^$\n]{0,60}?\$ (?=\S)")
 _PROMPT = re.compile(rf"{_NAMED}|{_PLAIN.pattern}")
@@ -155,8 +157,8 @@ def is_complaint(line: str) -> bool:
 
 
 def is_telling(line: str) -> bool:
-    """Return whether the words of a line, without its data, say that something is wrong."""
-    return TELLING.search(line) is not None and TELLING.search(without_data(line)) is not None
+    """Return whether the words of a line, without its data, say that something is wrong, or ros2 refuses with them."""
+    return is_refusal(line) or bool(TELLING.search(line) and TELLING.search(without_data(line)))
 
 
 def without_data(line: str) -> str:
