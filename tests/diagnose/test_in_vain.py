@@ -8,6 +8,7 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.launching.in_vain import fixed
 
 NAME = NAMES[1]
 CODES = ("launch-lost", "launch-unused")
@@ -244,3 +245,25 @@ def test_a_fixed_attribute_in_place_of_an_argument_in_yaml(tmp_path: Path) -> No
     text = "launch:\n- arg: {name: namespace, default: left}\n- node:\n    pkg: my_bot\n    exec: talker\n    namespace: left\n"
     (found,) = told(tmp_path, text, "all.launch.yaml")
     assert found.endswith('write "$(var namespace)" instead of left, and build again')
+
+
+@pytest.mark.parametrize(
+    ("value", "only"),
+    [
+        ("${var rate}", "${var rate}"),
+        ("$var rate", "$var rate"),
+        ("${rate}", "${rate}"),
+        ("$(var rate)", ""),
+        ("${HOME}", ""),
+    ],
+)
+def test_text_that_is_no_substitution(tmp_path: Path, value: str, only: str) -> None:
+    path = tmp_path / "a.launch.xml"
+    path.write_text(
+        f'<launch><arg name="rate" default="2.0"/>\n<node pkg="p" exec="e"><param name="r" value="{value}"/></node></launch>\n',
+        encoding="utf-8",
+    )
+    found = [*fixed(path, path.name)]
+    assert [(f.place, f.fix) for f in found] == (
+        [("a.launch.xml:2", f'write "$(var rate)" instead of {only}, and build again')] if only else []
+    )

@@ -61,6 +61,7 @@ _RULE = re.compile(
     rf"(?P<sign>[\s:=]*(?={_SECOND})|[:=]*)(?P<value>{_SECOND})?"
 )
 _NUMBER = re.compile(r"[-+]?\d+(?:\.\d*)?")
+_VALUE = r"'[^']*'|\"[^\"]*\"|(?!\S*:=)(?!-[a-z-])[^\s'\"]\S*"  # of a launch argument
 
 
 @dataclass(frozen=True)
@@ -302,13 +303,24 @@ class _Command:
 
     def _launch_arguments(self, words: list[str]) -> Iterator[Corrected]:
         declared = self._declared()
+        start = self.line.find(f" {self.plain[1]}") + 1
+        for name in declared or ():
+            written = re.compile(rf" -{{0,2}}{re.escape(name)}(?: *(?::=|=:|=|:) *| +)(?P<value>{_VALUE})")
+            if (found := written.search(self.line, start)) and found[0] != (
+                right := f" {name}:={found['value']}"
+            ):
+                why = f"A launch argument is written {right.strip()}, not as {found[0].strip()!r}."
+                yield Corrected(f"{self.line[: found.start()]}{right}{self.line[found.end() :]}", why)
         for word in words:
             name, sign, value = re.match(r"([\w.]*)\s*(:=|=:|=|:)?(.*)", word).groups()  # type: ignore[union-attr]
             if sign != ":=" and sign:
                 why = f"A launch argument is written with :=, not as {word!r}."
                 yield Corrected(self._with(word, f"{name}:={value}"), why)
             elif declared is not None and name not in declared:
-                near = nearest(name, declared, 0.6)
+                short = (known for known in declared if name and name.startswith(known))
+                near = nearest(name, declared, 0.6) or next(short, None)
+                if not sign and not near and len(declared) == 1:
+                    near, value = next(iter(declared)), word
                 known = f"it has {', '.join(declared)}" if declared else "it has none"
                 why = f"{self.plain[1]} has no argument {name}; {known}."
                 better = self._with(word, f"{near}:={value}") if near else self.line.replace(f" {word}", "")

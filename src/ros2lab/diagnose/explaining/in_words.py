@@ -91,6 +91,9 @@ def _in_words(
         place = place if is_declared else given_at(groups["name"], look, error.typed) or place
         given = spot_at(place, look)
         do = substituted(groups["name"], groups["value"], groups["wanted"], given) or do
+        unread = (f for f in look.findings if f.code == "launch-unused" and f.place == place)
+        if told := next(unread, None):
+            return told
     elif code == "publish-text" and groups.get("given") and (sent := published(spot_at(place, look))):
         do = filling(f"{groups['package']}.msg.{groups['wanted']}", sent[0], groups["given"])
     elif "what" in groups and "name" in groups:

@@ -71,7 +71,7 @@ def _repairs(words: list[str]) -> _Versions:
     for number, word in enumerate(words):
         before, after = words[:number], words[number + 1 :]
         name, sign, given = word.partition("=")
-        if not word.startswith("-") or word == "--ros-args":
+        if not word.startswith("-") or word == "--ros-args" or _NUMBER.fullmatch(word):
             continue
         action = actions.get(name)
         if action is None:
@@ -134,7 +134,7 @@ def _unknown_option(words: list[str], number: int, actions: dict[str, argparse.A
     bare = name.lstrip("-").rstrip(":")
     if words[1:2] == ["launch"] and value:
         why = f"{name} is not an option of ros2 launch: a launch argument is written {bare}:={value}."
-        yield [*before, *rest, f"{bare}:={value}"], why
+        yield [*before, f"{bare}:={value}", *rest], why
     yield [*before, *after], f"There is no option {name} here."
 
 

@@ -55,16 +55,22 @@ def unknown_arguments(path: Path, shown: str, lost: Sequence[Mapping[str, Any]])
 
 
 def fixed(path: Path, shown: str) -> Iterator[Finding]:
-    """Yield the arguments of a file in XML or YAML that nothing reads, where their default is also a fixed value of that name."""
+    """Yield the arguments of a file in XML or YAML that nothing reads, where their default or mere text stands for them."""
     text, rows = read_text(path), [*entities_below("", entities_in(path), set())]
     for name, default in ((str(e.get("name")), e.get("default")) for kind, e in rows if kind == "arg"):
-        others = (e for kind, e in rows if kind != "arg" and default)
+        others = [e for kind, e in rows if kind != "arg"]
+        as_text = re.compile(
+            rf"\$?[({{]? *(?:var|arg) +{re.escape(name)}\b *[)}}]?|\$\{{?{re.escape(name)}\b\}}?"
+        )
+        texts = (as_text.search(value) for e in others for value in e.values() if isinstance(value, str))
+        only = next((found[0] for found in texts if found), "")
         has = any(default in (e.get(name), e.get("value") if e.get("name") == name else None) for e in others)
         is_read = re.search(rf"\$\([^)]*\b{re.escape(name)}\b", text) or "include" in dict(rows)
-        if has and not is_read:
-            line = max(n for n, line in enumerate(text.splitlines(), 1) if name in line)
-            cause = f"The launch argument {name} is declared but never used: a fixed {default} stands here in its place."
-            fix = f'write "$(var {name})" instead of {default}, and build again'
+        if (only or (has and default)) and not is_read:
+            line = max(n for n, line in enumerate(text.splitlines(), 1) if (only or name) in line)
+            is_what = f"{only} is mere text" if only else f"a fixed {default} stands"
+            cause = f"The launch argument {name} is declared but never used: {is_what} here in its place."
+            fix = f'write "$(var {name})" instead of {only or default}, and build again'
             yield Finding("launch-unused", cause, at(shown, line), fix)
 
 
