@@ -17,7 +17,7 @@ from ros2lab.diagnose.nodes.qos_written import with_policy, with_profile_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.made_unseen import may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, parameters
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, parameters
 from ros2lab.diagnose.sources.qualities import POLICIES, policies_of
 from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.rhythm import has_period
@@ -183,6 +183,7 @@ def _near_misses(
             continue
         # The workspace's own topics come before the course's, which contain no node's name.
         near = [(name, ends) for name, ends in by_topic.items() if is_near_miss(topic, name)]
+        near = near or _only_other(end, by_topic)
         facing = [(name, ends) for name, ends in near if _may_face(there, ends)]
         others = [ends[0].name for name, ends in facing if not _has_partner(name, ends, unnamed, partners)]
         course = [
@@ -200,6 +201,19 @@ def _near_misses(
             cause = f"This node {verb} {end.name!r}, but {contrast}: the names differ."
             fix = f"write {wanted!r} if that is meant (a leading slash may stay)"
             yield Finding("topic-near-miss", cause, end.place, fix, (end.name, wanted))
+
+
+def _only_other(end: End, by_topic: Mapping[str, list[End]]) -> list[tuple[str, list[End]]]:
+    """Return the only topic that fits an end which is named after its type, its callback or the node that publishes."""
+    kind = (end.type or "").split(".")
+    fitting = [
+        (name, [o for o in ends if o.type == end.type and _may_connect(end, o)])
+        for name, ends in by_topic.items()
+    ]
+    other = [(name, ends) for name, ends in fitting if ends]
+    nodes = [o.sources.node_name(o.creation) for _, ends in other for o in ends if not end.is_publisher]
+    taken = {"/".join(kind), "/".join(kind[::2]), kind[-1], last_name(end.creation.given("callback")), *nodes}
+    return other if end.type and len(other) == 1 and end.topic in taken else []
 
 
 def _may_face(there: list[End], others: list[End]) -> bool:
