@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
 import pytest
 
-from ros2lab.diagnose.code.placeholders import placeholder_faults
+from ros2lab.diagnose.code.placeholders import placeholder_faults, regrouped, repeated
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.python_source import read_source
 
@@ -87,3 +88,44 @@ def test_a_place_that_nothing_fills_is_told(tmp_path: Path, line: str, fix: str)
 )
 def test_what_is_filled_or_means_itself_is_left_alone(tmp_path: Path, line: str) -> None:
     assert told(line, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("written", "better"),
+    [
+        ("'at %i degrees' % 0.5 * n", "'at %i degrees' % (0.5 * n)"),
+        ("'%s m' % d * 100", "'%s m' % (d * 100)"),
+        ("'%d' % 5 * n", "'%d' % (5 * n)"),
+        ("'%s' % '#' * n", ""),
+        ("'%+d' % n * 2", ""),
+        ("'beep %d ' % n * 3", ""),
+        ("'at %d m' % (n * 3)", ""),
+        ("'at %d, %d' % (n, m) * 2", ""),
+    ],
+)
+def test_a_number_that_is_multiplied_after_it_was_put_in_a_text(
+    tmp_path: Path, written: str, better: str
+) -> None:
+    path = tmp_path / "a.py"
+    path.write_text(f"x = {written}\n", encoding="utf-8")
+    source = read_source(path, "a", "a.py")
+    found = [
+        fault for node in source.nodes if isinstance(node, ast.BinOp) for fault in repeated(source, node)
+    ]
+    assert [fault.fix for fault in found] == ([f"write `{better}`"] if better else [])
+
+
+@pytest.mark.parametrize(
+    ("written", "better"),
+    [
+        ("'at %d' % n + 1", "'at %d' % (n + 1)"),
+        ("'at %.1f' % n / 2 - k", "'at %.1f' % (n / 2 - k)"),
+        ("'%d, %d' % n, m", "'%d, %d' % (n, m)"),
+        ("log('%d, %d' % n, m)", "'%d, %d' % (n, m)"),
+        ("'at %d' % n + ' m'", ""),
+        ("'at %d' % n", ""),
+        ("log('at %d' % n)", ""),
+    ],
+)
+def test_what_was_meant_to_stand_in_a_text(written: str, better: str) -> None:
+    assert regrouped(ast.parse(written, mode="eval").body) == better

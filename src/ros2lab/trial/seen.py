@@ -20,6 +20,7 @@ from ros2lab.diagnose.nodes.graph import finding_of
 from ros2lab.diagnose.nodes.ros_graph import End, Fault, NearMiss, Observation, SharedName, graph_of
 from ros2lab.diagnose.nodes.topic_faults import asked_of, ends_of, goes_on, timers_of, word_sources
 from ros2lab.diagnose.sources.entrance import Entrance
+from ros2lab.diagnose.sources.joined_texts import text_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.grading.code.compared import compared
 from ros2lab.grading.code.running import running
@@ -343,9 +344,10 @@ def _words(seen: Seen) -> Iterator[Finding]:
     dead = [word for word in sent if word not in alive and word != UNKNOWN_WORD]
     if not dead or (len(dead) < len(sent) and any(map(_heeds_any_word, runs))):
         return
-    names_it = re.compile(rf"[\"']\s*{re.escape(dead[0])}\s*[\"']", re.IGNORECASE).search
     ends = seen.ends(topic, is_publisher=False)
-    place = next((end.place for end in ends if names_it(end.creation.source.text)), "")
+    files = dict.fromkeys(end.creation.source for end in ends)
+    named = (s.at(n) for s in files for n in s.nodes if text_of(n).strip().lower() == dead[0].lower())
+    place = next(named, "")
     if len(dead) == len(sent):
         cause = f"After each of the words {', '.join(dead)} on {topic}, the nodes do the same as after {UNKNOWN_WORD!r}, which means nothing."
         fix = "let the callback change an attribute of self (self.state = ...), compare msg.data with ==, and after lower() compare only with lower-case words"
@@ -353,6 +355,8 @@ def _words(seen: Seen) -> Iterator[Finding]:
         like = next((word for word in own if word.lower() == dead[0].lower() and word != dead[0]), "")
         cause = f"The word {dead[0]!r} on {topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
         fix = f"compare msg.data.strip().lower() with {dead[0].lower()!r}, in lower case"
+        if not like and dead[0].islower():
+            fix = f"look at what comes before the comparison with {dead[0]!r}, such as a return, and at what it leads to"
     yield Finding("word-unanswered", cause, place or seen.place(topic, is_publisher=False), fix)
 
 

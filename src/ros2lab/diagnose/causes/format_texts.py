@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.checking.trials import type_of
+from ros2lab.diagnose.code.placeholders import regrouped
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
@@ -67,6 +68,9 @@ def of_format(kind: str, message: str, spot: Spot) -> Finding | None:
     """Return which part of a format string failed, and how it was meant; None if none did."""
     if kind not in _RAISED_BY:
         return None
+    if message.startswith("not enough arguments") and (whole := [*filter(None, map(regrouped, spot.nodes))]):
+        cause = "The comma ends what `%` takes: the values behind it are not among those of the string."
+        return Finding("made-wrong", cause, spot.place, f"write `{whole[0]}`")
     for use in (candidate for candidate in _uses(spot) if re.search(_RAISED_BY[kind], candidate.text)):
         for values in _stand_ins(use, message, spot.file):
             raised, printed = _said(use, use.text, values), f"{kind}: {message}"

@@ -6,8 +6,10 @@ import ast
 import re
 from collections.abc import Sequence
 
+from ros2lab.diagnose.code.placeholders import regrouped
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.joined_texts import text_of
 
 _SIGNS: dict[type[ast.AST], str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Mod: "%", ast.FloorDiv: "//", ast.Pow: "**",
@@ -34,6 +36,8 @@ def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
         between += "=" * isinstance(node, ast.AugAssign)
         if sign not in ("", between):
             continue
+        if regrouped(node) and _NUMBER.match(kinds[1]):
+            return f"write `{regrouped(node)}` instead of `{ast.unparse(node)}`"
         numbers = [side for kind, side in zip(kinds, (left, right), strict=True) if _NUMBER.match(kind)]
         if "Time" in kinds and sign in ("+", "-") and numbers:
             # Only a duration can be added to a point in time.
@@ -51,8 +55,7 @@ def unwrapped(spot: Spot, kinds: Sequence[str], sign: str) -> str:
 
 def _as_number(side: ast.expr, kinds: Sequence[str]) -> str:
     """Return a quoted number without its quotes if the other operand is a number; else empty."""
-    is_text = isinstance(side, ast.Constant) and isinstance(side.value, str)
-    text = str(side.value).strip() if is_text else ""  # type: ignore[attr-defined]
+    text = text_of(side).strip()
     is_beside_number = any(map(_NUMBER.match, kinds))
     return text if is_beside_number and re.fullmatch(r"[-+]?\d+(\.\d*)?", text) else ""
 

@@ -5,14 +5,16 @@ from __future__ import annotations
 import ast
 import itertools
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.code.idle_statements import idle_statements
 from ros2lab.diagnose.code.main_guards import main_guard_faults
 from ros2lab.diagnose.code.misplaced_signs import sign_fault
-from ros2lab.diagnose.code.placeholders import placeholder_faults
+from ros2lab.diagnose.code.placeholders import placeholder_faults, repeated
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.joined_texts import strings, text_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.one_run import blocks, is_steady, may_leave
 from ros2lab.diagnose.sources.python_source import (
@@ -24,6 +26,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
 )
 from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.static_value import expression
 
 _SHARES = frozenset(("get_package_share_directory", "FindPackageShare", "get_package_share_path"))
 _CHANGES_CASE: dict[str, Callable[[str], str]] = {
@@ -35,13 +38,16 @@ _CHANGES_CASE: dict[str, Callable[[str], str]] = {
 # Literals, which nobody calls or subscripts on purpose.
 _LONGEST = 60  # characters of a value that is shown whole
 _LITERALS = (ast.Tuple, ast.List, ast.Dict, ast.Constant, ast.JoinedStr, ast.Set)
+_SEVERAL = (ast.List, ast.Tuple, ast.Set, ast.Call)
 _NEXT: dict[type[ast.AST], str] = {ast.Call: "a call of", ast.Subscript: "a part of"}
 
 
 def expression_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield statements without effect, comparisons never true, and strings with unfilled placeholders."""
+    texts = Counter(map(text_of, (node for source in sources.sources.values() for node in source.nodes)))
     for source in sources.sources.values():
         yield from comma_faults(source)
+        yield from _joined(source, texts)
         yield from path_faults(source)
         yield from placeholder_faults(source)
         yield from main_guard_faults(source)
@@ -56,6 +62,8 @@ def expression_faults(sources: NodeSources) -> Iterator[Finding]:
                 yield from sign_fault(source, node)
             elif isinstance(node, ast.Call):
                 yield from _named_in_lambda(source, node)
+            elif isinstance(node, ast.BinOp):
+                yield from repeated(source, node)
             elif isinstance(node, ast.ExceptHandler):
                 yield from _caught_objects(source, node)
 
@@ -102,6 +110,28 @@ def comma_faults(source: PythonSource, missing: str = "comma-missing") -> Iterat
             fix = f"write a comma after `{text[:60]}`" if rest.strip() else f"write `{begun.strip()},`"
             yield Finding(missing, cause, source.at(before.end_lineno), fix)
     yield from _tuple_faults(source)
+
+
+def _joined(source: PythonSource, texts: Mapping[str, int]) -> Iterator[Finding]:
+    """Yield texts side by side among several values, which Python joins, although only each alone is used elsewhere."""
+    groups = [
+        (*getattr(n, "elts", ()), *getattr(n, "args", ())) for n in source.nodes if isinstance(n, _SEVERAL)
+    ]
+    lines = {text_of(item): item.lineno for group in groups for item in group if text_of(item)}
+    row: list[tuple[int, str]] = []
+    for line, written, is_next in strings(source.text) if lines else ():
+        row.append((line, written))
+        if is_next:
+            continue
+        first, codes = row[0][0], [code for _, code in row]
+        parts, row = [text_of(expression(code)) for code in codes], []
+        whole = "".join(parts)
+        is_one_item = texts[whole] == 1 and lines.get(whole) in (first, line)
+        if len(parts) > 1 and is_one_item and all(texts[part] for part in parts):
+            ways = [", ".join(codes)] if first == line else [f"{code}," for code in codes[:-1]]
+            cause = f"A comma is missing after {codes[0]}, so Python joins it with what follows: {whole!r}."
+            fix = f"write {' and '.join(f'`{way}`' for way in ways)}"
+            yield Finding("comma-missing", cause, source.at(first), fix)
 
 
 def _not_callable(source: PythonSource, called: ast.expr) -> Iterator[Finding]:

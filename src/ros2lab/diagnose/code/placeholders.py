@@ -1,4 +1,4 @@
-"""Strings with placeholders that nothing fills in: a missing f, doubled braces, a bare `{}` or `%d`."""
+"""Strings with placeholders that nothing fills in, or only a part: a missing f, doubled braces, `'%d' % a * b`."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.code.bound_names import bound_in, global_names
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.joined_texts import VALUE, text_of
 from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, contains, given_to
 from ros2lab.diagnose.sources.uses import is_log
@@ -48,6 +49,43 @@ def placeholder_faults(source: PythonSource) -> Iterator[Finding]:
             cause = f"{found[0]} is shown as it is: nothing says which value belongs there."
             fix = f"write f before the quote, and the value's name in braces instead of {found[0]}"
             yield Finding("text-not-filled", cause, source.at(text), fix)
+
+
+def repeated(source: PythonSource, node: ast.BinOp) -> Iterator[Finding]:
+    """Yield a text that `*` repeats as a whole, although it tells of the number that was to be multiplied.
+
+    It does if that is written there, or if the text has words and nothing that would part it from the next.
+    """
+    match node:
+        case ast.BinOp(ast.BinOp(ast.Constant(value=str(text)), ast.Mod(), value), ast.Mult()):
+            is_sentence = re.search(r"[^\W\d_]", VALUE.sub("", text)) and not re.search(r"[\s,;|]$", text)
+            number = value.value if isinstance(value, ast.Constant) else 0 if is_sentence else ""
+            if isinstance(number, (int, float)) and (better := regrouped(node)):
+                cause = f"`%` comes before `*` here: it puts {ast.unparse(value)} in the text, and `*` repeats the whole text."
+                yield Finding("text-not-filled", cause, source.at(node), f"write `{better}`")
+
+
+def regrouped(node: ast.AST) -> str:
+    """Return `'...' % (a * b)` for `'...' % a * b`, and for values behind a comma; empty where `%` gets all that is there."""
+    given = getattr(node, "elts", None) or getattr(node, "args", None) or [node]
+    if not isinstance(node, (ast.Tuple, ast.Call, ast.BinOp)) or (parts := _template(given[0])) is None:
+        return ""
+    text, value = parts
+    if len(given) > 1:
+        value = ast.Tuple([value, *given[1:]], ast.Load())
+    elif given[0] is not node or value is getattr(node, "right", None):
+        return ""
+    return ast.unparse(ast.BinOp(text, ast.Mod(), value))
+
+
+def _template(node: ast.expr) -> tuple[ast.expr, ast.expr] | None:
+    """Return a text, and what was meant to be put there of all that is reckoned with it; None without a single value."""
+    match node:
+        case ast.BinOp(ast.Constant(value=str()) as text, ast.Mod(), value):
+            return None if isinstance(value, (ast.Tuple, ast.Dict)) else (text, value)
+        case ast.BinOp(left, operator, right) if not text_of(right) and not isinstance(right, ast.JoinedStr):
+            return (parts[0], ast.BinOp(parts[1], operator, right)) if (parts := _template(left)) else None
+    return None
 
 
 def _meant(source: PythonSource, node: ast.expr, text: str) -> list[str]:

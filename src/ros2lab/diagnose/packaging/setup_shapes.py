@@ -255,6 +255,10 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
         if path.is_dir():
             yield folder_taken(package, setup, file)
             return  # the other folders that a pattern finds are left out with it
+        elif not path.exists() and (pair := _two_files(package, file)):
+            cause = f"setup.py installs {file}, which are two files: a comma is missing between them."
+            place = at(setup.source.shown, setup.written(file)[1])
+            yield Finding("data-file-missing", cause, place, f"write {pair[0]!r}, {pair[1]!r}")
         elif not path.exists() and (called := alike(package.folder, file)):
             shown, wanted = package.shown(called), package.shown(file)
             cause = f"setup.py installs {file}, but there is {called} instead: {differs(called, file)}."
@@ -265,6 +269,12 @@ def _files(package: SourcePackage, setup: SetupScript, files: list[Any]) -> Iter
             cause = f"setup.py installs {file}, but there is no such file; there is {close}."
             fix = f"mv {quote(shown)} {quote(wanted)}"
             yield Finding("data-file-missing", cause, at(setup.source.shown, setup.line("data_files")), fix)
+
+
+def _two_files(package: SourcePackage, joined: str) -> tuple[str, str] | None:
+    """Return the two files whose paths a text joins; None if it does not."""
+    pairs = ((joined[:n], joined[n:]) for n in range(1, len(joined)))
+    return next((pair for pair in pairs if all((package.folder / file).is_file() for file in pair)), None)
 
 
 def like(path: Any) -> str:
