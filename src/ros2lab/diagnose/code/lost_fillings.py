@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import is_interface
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, own_nodes, walk
 
 
 def lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
@@ -26,6 +26,7 @@ def lost_fillings(source: PythonSource, method: Function) -> Iterator[Finding]:
 def _lost(source: PythonSource, method: Function, name: str) -> Iterator[Finding]:
     pending: ast.stmt | None = None
     sent: ast.stmt | None = None
+    filled: set[str] = set()  # its fields that have a value, which may be what was meant to be sent
     for statement in method.body:
         fills, reads, binds = _changes_of(statement, name)
         if binds and isinstance(statement, ast.Assign) and pending is not None:
@@ -35,18 +36,21 @@ def _lost(source: PythonSource, method: Function, name: str) -> Iterator[Finding
         if reads and not _sends(statement, name):
             return  # others may have it now
         if binds:
-            pending, sent = None, None
+            pending, sent, filled = None, None, set()
         elif reads:
             pending, sent = None, statement
-        elif fills:
-            pending = pending or statement
+        pending = pending or next((fill for field, fill in fills.items() if not _is_in(field, filled)), None)
+        filled |= fills.keys()
     if pending is not None and sent is not None:
         last = ast.unparse(sent).splitlines()[0]
-        cause = (
-            f"`{ast.unparse(pending).splitlines()[0]}` comes after `{last}`, so it is not in what was sent."
-        )
+        cause = f"`{ast.unparse(pending)}` comes after `{last}`, so it is not in what was sent."
         fix = f"move `{last}` after the lines that fill {name}"
         yield Finding("filling-lost", cause, source.at(pending), fix)
+
+
+def _is_in(field: str, filled: set[str]) -> bool:
+    """Return whether a field, or what it is a part of, or a part of it, is among those with a value."""
+    return any(f"{field}.".startswith(f"{one}.") or one.startswith(f"{field}.") for one in filled)
 
 
 def _new(source: PythonSource, node: ast.Assign) -> str:
@@ -65,17 +69,20 @@ def _sends(statement: ast.stmt, name: str) -> bool:
     return False
 
 
-def _changes_of(statement: ast.stmt, name: str) -> tuple[bool, bool, bool]:
-    """Return whether a statement sets a field of a variable, reads it otherwise, and assigns to it."""
+def _changes_of(statement: ast.stmt, name: str) -> tuple[dict[str, ast.stmt], bool, bool]:
+    """Return the fields of a variable that a statement sets, each with where, whether it reads it otherwise, and assigns to it."""
+    fills: dict[str, ast.stmt] = {}
     bases: set[int] = set()
-    for node in walk(statement):
-        inner: ast.AST = node
-        if isinstance(node, (ast.Attribute, ast.Subscript)) and isinstance(node.ctx, ast.Store):
-            while isinstance(inner, (ast.Attribute, ast.Subscript)):
-                inner = inner.value
-            bases.add(id(inner))
+    for inner in (node for node in walk(statement) if isinstance(node, ast.stmt)):
+        for node in children(inner):
+            base: ast.AST = node
+            while isinstance(base, (ast.Attribute, ast.Subscript)):
+                base = base.value
+            is_field = base is not node and isinstance(node.ctx, ast.Store)  # type: ignore[attr-defined]
+            if is_field and isinstance(base, ast.Name) and base.id == name:
+                bases.add(id(base))
+                fills.setdefault(ast.unparse(node), inner)
     names = [node for node in walk(statement) if isinstance(node, ast.Name) and node.id == name]
-    fills = any(id(node) in bases for node in names)
     reads = any(id(node) not in bases and isinstance(node.ctx, ast.Load) for node in names)
     return fills, reads, any(isinstance(node.ctx, ast.Store) for node in names)
 
