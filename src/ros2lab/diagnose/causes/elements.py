@@ -6,6 +6,7 @@ import ast
 import re
 
 from ros2lab.diagnose.causes.guards import left_out, may_be_left
+from ros2lab.diagnose.finding import these_lines
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.python_source import last_name, own_nodes
@@ -50,7 +51,12 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     cause = f"{name}[{index}] asks for an element past the end of {name}{count}."
     if isinstance(asked.slice, ast.Constant):
         return _too_few(spot, name, index, cause)
-    fix = f"write {name}[{index} % len({name})] to start again at the first one, or check `if {index} < len({name}):` first"
+    same = (
+        n for n in spot.file.nodes if isinstance(n, ast.Subscript) and ast.unparse(n) == ast.unparse(asked)
+    )
+    lines = sorted({n.lineno for n in same})
+    where = f" on {these_lines(lines)}" if len(lines) > 1 else ""
+    fix = f"write {name}[{index} % len({name})]{where} to start again at the first one, or check `if {index} < len({name}):` first"
     return cause, fix
 
 

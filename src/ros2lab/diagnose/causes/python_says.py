@@ -238,8 +238,7 @@ _SAYINGS: tuple[_Saying, ...] = (
     ),
     (
         r"not enough values to unpack \(expected (?:at least )?(?P<wanted>\d+), got (?P<given>\d+)",
-        "`{text}` needs {wanted} values but got {given}.",
-        "store the result in one variable first, and check `if len(...) == {wanted}:` before unpacking it",
+        python_values.too_few,
     ),
     (r"too many values to unpack", python_values.taken_apart),
     (r"RecursionError", _without_end),

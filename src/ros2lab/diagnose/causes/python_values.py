@@ -9,6 +9,7 @@ import re
 from ros2lab.diagnose.checking.operands import unwrapped
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import names_read, walk
 
 
 def by_zero(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
@@ -55,6 +56,36 @@ def taken_apart(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
                 return cause, f"write {name}.items() instead of {name}"
     cause = f"`{spot.text}` has a different number of names on the left than values on the right."
     return cause, "write as many names as there are values"
+
+
+def too_few(match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix for unpacking too few values: what only one branch needs is taken there, and else all or nothing."""
+    wanted, function = match["wanted"], spot.function or ast.Module([], [])
+    cause = f"`{spot.text}` needs {wanted} values but got {match['given']}."
+    for node in spot.nodes:
+        match node:
+            case ast.Assign(targets=[ast.Tuple(elts=[ast.Name(id=first), *others])], value=value):
+                given, names = ast.unparse(value), [*map(ast.unparse, others)]
+                used = {n for n in walk(function) if getattr(n, "id", "") in names} - {*walk(node)}
+                ifs = (
+                    n for n in walk(function) if isinstance(n, ast.If) and first in names_read(walk(n.test))
+                )
+                inner = ((one, {n for part in one.body for n in walk(part)}) for one in ifs)
+                where = next((ast.unparse(one.test) for one, body in inner if used and used <= body), "")
+                if not where or match["given"] == "0":
+                    return (
+                        cause,
+                        f"write `parts = {given}` and `if len(parts) == {wanted}:` above this line, and indent it, with `parts` instead of `{given}`, and what uses its names below that",
+                    )
+                rest = f"{', '.join(names)} = parts[1{':' * (len(names) > 1)}]"
+                return (
+                    cause,
+                    f"write `parts = {given}` and `{first} = parts[0]` instead of this line, and `{rest}` first below `if {where}:`, where it is needed",
+                )
+    return (
+        cause,
+        f"store the result in one variable first, and check that it has {wanted} values before unpacking it",
+    )
 
 
 def operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:

@@ -39,7 +39,12 @@ def unread_words(node: Launched, packages: Mapping[str, SourcePackage]) -> Itera
     short = " ".join(said)
     short = f"{said[0]} ..." if len(short) > _LONGEST and len(said) > 1 else short
     cause = f"arguments passes `{short}` to {node.executable} on the command line, but it reads no command-line arguments, so they change nothing."
-    yield Finding("words-unread", cause, node.place, _fix(words, declared_in(sources) or {}))
+    fix = _fix(words, declared_in(sources) or {})
+    if ".py:" in node.place and fix.startswith("write parameters=['/"):
+        fix = (
+            "write parameters instead of arguments, with the same list"  # which may be worked out in the file
+        )
+    yield Finding("words-unread", cause, node.place, fix)
 
 
 def _fix(words: tuple[str, ...], declared: Mapping[str, object]) -> str:

@@ -408,5 +408,6 @@ def _begun_anew(state: State, method: Function) -> Iterator[Finding]:
                 # One that is set to something else in between does not count.
                 if not others and sum(user is method for user, *_ in stores) == 2:
                     cause = f"{method.name}() resets self.{name} with `{ast.unparse(begun[name])}` each time, so it never grows."
-                    fix = f"remove the line `{ast.unparse(begun[name])}` here; it belongs in __init__"
+                    line, is_begun = ast.unparse(begun[name]), any(user is not method for user, *_ in stores)
+                    fix = f"remove `{line}` here" if is_begun else f"move `{line}` into __init__"
                     yield Finding("begun-anew", cause, state.at(begun[name]), fix)

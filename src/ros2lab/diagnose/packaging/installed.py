@@ -59,10 +59,11 @@ def install_faults(root: Path, package: SourcePackage) -> Iterator[Finding]:
 def to_build(root: Path, findings: Iterable[Finding]) -> str:
     """Return the command that makes changes of what findings are about take effect; empty if they do by themselves.
 
-    What runs is a copy of a source unless it was built with links. A fix that tells of a build needs no other, and no
-    program runs what package.xml says.
+    What runs is a copy of a source unless it was built with links. A fix that tells of a build, or of what to type, needs
+    no other, and no program runs what package.xml says.
     """
-    mended = (f for f in findings if f.fix and "build" not in f.fix and "package.xml" not in f.fix)
+    others = re.compile(r"^type `|build|package\.xml")
+    mended = (f for f in findings if f.fix and not others.search(f.fix))
     paths = {root / finding.place.partition(":")[0] for finding in mended}
     names = [p.name for p in discover(root)[0] if any(_is_copied(root, p, path) for path in paths)]
     return f"{_BUILD} {' '.join(names)}" if names else ""
