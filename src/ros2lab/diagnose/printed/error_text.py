@@ -26,7 +26,9 @@ _MOST_QUOTED = 30  # lines of a command
 MOST_READ = 100_000  # characters of output
 
 # What a tool, launch or a logger puts before its message.
-PREFIX = re.compile(r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|Error(?=:)|E(?= )|fatal)?(?::[\w.]+)?:? ?")
+PREFIX = re.compile(
+    r"^(?:\[[\w.-]+\]:? )*(?:\[?[\d.]+s?\]? )?(?:WARNING|ERROR|Error(?=:)|E(?= )|fatal)?(?::[\w.]+)?:? ?"
+)
 # Colours and titles of a terminal, and the boxes that click's rich errors stand in.
 _ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]|\x1b\][^\x07]*\x07|\r|^[╭╰]─.*[╮╯]$|^│ | *│$", re.M)
 _FRAME = re.compile(r'^\s*File "(?P<file>[^"]+)", line (?P<line>\d+)(?:, in (?P<function>\S+))?')
