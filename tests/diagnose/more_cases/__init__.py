@@ -129,5 +129,7 @@ def _case(row: dict[str, Any]) -> Case:
 CASES = [
     _case(row)
     for path in sorted(Path(__file__).parent.glob("*.yaml"))
-    for row in yaml.safe_load(path.read_text(encoding="utf-8"))
+    for row in yaml.load(
+        path.read_text(encoding="utf-8"), Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    )
 ]

@@ -16,7 +16,10 @@ MODEL: Files = {
     for path in sorted((ASSIGNMENT / "solution").rglob("*"))
     if path.is_file() and "__pycache__" not in path.parts
 }
-_ROWS: dict[str, Any] = yaml.safe_load(Path(__file__).with_name("lamp.yaml").read_text(encoding="utf-8"))
+_ROWS: dict[str, Any] = yaml.load(
+    Path(__file__).with_name("lamp.yaml").read_text(encoding="utf-8"),
+    Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader),
+)
 
 
 def _case(name: str, about: str, files: Files, loses: list[str], says: str = "") -> Case:
