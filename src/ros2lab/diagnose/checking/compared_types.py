@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import yaml
 
@@ -104,7 +105,8 @@ def _conditions(source: PythonSource) -> Iterator[_Compared]:
                 yield _Compared(test, test, (), is_equal=True)
 
 
-def _tests(source: PythonSource) -> list[ast.expr]:
+@lru_cache(maxsize=8)
+def _tests(source: PythonSource) -> tuple[ast.expr, ...]:
     """Return the expressions of whose values only the truth counts."""
     found = [n.test for n in source.nodes if isinstance(n, (ast.If, ast.While, ast.IfExp, ast.Assert))]
     for node in source.nodes:
@@ -115,7 +117,7 @@ def _tests(source: PythonSource) -> list[ast.expr]:
                 found += values
     for test in found:
         found += test.values[-1:] if isinstance(test, ast.BoolOp) else []
-    return found
+    return (*found,)
 
 
 def _is_only_asked(source: PythonSource, value: ast.expr) -> bool:
