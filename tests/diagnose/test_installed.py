@@ -8,10 +8,12 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 from workspace_files import NAMES, Files
 
 from deadlines import DEADLINE
 from ros2lab import environment
+from ros2lab.cli import app
 from ros2lab.diagnose import Finding, of_text, of_workspace
 from ros2lab.diagnose.packaging.installed import to_build
 from ros2lab.diagnose.sources.interfaces import INDEX
@@ -221,6 +223,18 @@ def test_a_terminal_that_has_not_sourced_is_seen(workspace: Path) -> None:
     sourced = {"AMENT_PREFIX_PATH": f"{workspace}/install/robot_controller"}
     assert of_workspace(workspace, sourced) == []
     assert codes(of_text("Package 'robot_controller' not found", workspace)) == ["not-sourced"]
+
+
+def test_what_is_true_of_the_terminal_alone_is_not_all_that_is_said(workspace: Path) -> None:
+    """Its node may still do nothing, and then the files are right."""
+    said = CliRunner().invoke(app, ["diagnose", str(workspace)], env={"AMENT_PREFIX_PATH": ""}).stdout
+    first, _, rest = said.partition("Nothing else was found. It looked at ")
+    assert first.startswith("not-sourced")
+    assert "ros2lab diagnose --run" in rest
+    (workspace / "src/robot_controller/setup.cfg").unlink()
+    said = CliRunner().invoke(app, ["diagnose", str(workspace)], env={"AMENT_PREFIX_PATH": ""}).stdout
+    assert "not-sourced" in said
+    assert "Nothing else" not in said
 
 
 def test_the_order_of_overlays_is_seen(built: Path, workspace: Path) -> None:

@@ -79,6 +79,8 @@ def diagnose(
             _tell_of_the_build(shown, root)
         if shown and story and up_to is None:
             print(f"What the nodes did: {story}")
+        elif shown and looked_at and up_to is None and not is_run and workspace != "-":
+            print(f"Nothing else was found. {looked_at}")
         if shown and up_to and (step := next_step(findings[0], up_to)):
             print(f"For the {step.value}, add --up-to {step.value}.")
     raise typer.Exit(FOUND if findings else 0)
@@ -122,12 +124,12 @@ def _of_printed(here: Path | None) -> tuple[list[Finding], bool, str]:
 
 
 def _of_folder(root: Path) -> tuple[list[Finding], bool, str]:
-    """Return what is found of a workspace, whether it is told in steps, and what was looked at."""
+    """Return what is found of a workspace, whether it is told in steps, and, if its files are right, what was looked at."""
     from ros2lab.diagnose import of_workspace  # noqa: PLC0415
     from ros2lab.diagnose.look import seen_of  # noqa: PLC0415
 
     findings, looked_at = of_workspace(root, os.environ), ""
-    if not findings:
+    if all(finding.code == "not-sourced" for finding in findings):  # which is about this terminal alone
         looked_at = (
             f"It looked at {seen_of(root)}, but ran nothing, so it cannot tell what the nodes do at run time. "
             f"{_RUN_OFFER}If a command fails, pass on its output: command 2>&1 | ros2lab diagnose -"
