@@ -70,3 +70,15 @@ def test_it_counts_as_the_right_type_does_but_for_the_type(topic: str) -> None:
         for seen, kind in ((STAND_IN, LIKE), (evidences.STRING, evidences.STRING))
     )
     assert like == {**right, "type": right["type"] / 4}
+
+
+@pytest.mark.parametrize("kind", ["", "lab_tools/String"])
+def test_a_type_that_nobody_tells_is_not_called_a_wrong_one(kind: str) -> None:
+    """Where the program ends for want of the module from which it takes the class, that costs nothing."""
+    absent = evidences.without(evidences.STATUS, "TypeError: NotInstalledHere")(evidences.right())
+    given = _given(absent.runs[0], "/robot/status", kind, is_publisher=True)
+    dead = next(run for run in absent.runs if run.programs == [evidences.STATUS])
+    others = [run for run in given.runs if run.programs != [evidences.STATUS] and run.setting == "alone"]
+    grade = verdict(replace(given, runs=[dead, *others]), load())
+    (found,) = (one for one in grade.criteria if one.id == f"{evidences.STATUS}.type")
+    assert (found.points, "has the type" in found.reason) == (found.max, False)

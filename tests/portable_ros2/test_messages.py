@@ -360,3 +360,28 @@ def test_auto_and_now_stand_for_the_time_of_publishing() -> None:
         set_stamp(Time(sec=second, nanosec=5))
         assert (poses.header.stamp.sec, poses.header.stamp.nanosec) == (second, 5)
     assert poses.header.frame_id == "map"
+
+
+# --- What ROS calls them
+
+
+def test_the_library_of_ros_gives_the_same() -> None:
+    """Students import it, also to take a message's class by its name."""
+    from std_msgs.msg import String
+
+    import rosidl_runtime_py
+    from rosidl_runtime_py.utilities import get_action, get_interface, get_message, get_service
+
+    for find in (get_message, get_interface):
+        assert find("std_msgs/msg/String") is String
+    assert get_service("std_srvs/srv/Trigger") is get_interface("std_srvs/srv/Trigger")
+    for find in (get_message, get_service, get_action):
+        with pytest.raises(ValueError, match="nowhere"):
+            find("nowhere/msg/Nothing")
+    message = String()
+    assert rosidl_runtime_py.set_message_fields(message, {"data": "well"}) == []
+    assert rosidl_runtime_py.message_to_ordereddict(message) == {"data": "well"}
+    assert rosidl_runtime_py.message_to_yaml(message) == "data: well\n"
+    assert rosidl_runtime_py.message_to_csv(message) == "well"
+    assert "msg/String" in rosidl_runtime_py.get_message_interfaces(["std_msgs"])["std_msgs"]
+    assert rosidl_runtime_py.get_interface_path("std_msgs/msg/String").endswith("String.msg")

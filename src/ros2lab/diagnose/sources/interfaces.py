@@ -27,7 +27,7 @@ _NAMES = """
     rcl_interfaces lifecycle_msgs rosgraph_msgs unique_identifier_msgs composition_interfaces tf2 tf2_ros tf2_msgs
     tf2_geometry_msgs tf2_py tf2_ros_py sensor_msgs_py tf_transformations turtlesim launch launch_ros launch_testing launch_xml launch_yaml
     ament_index_python ament_cmake ament_cmake_python ament_python rosidl_default_generators
-    rosidl_default_runtime ros2launch xacro robot_state_publisher joint_state_publisher rviz2 nav2_msgs
+    rosidl_default_runtime rosidl_runtime_py ros2launch xacro robot_state_publisher joint_state_publisher rviz2 nav2_msgs
     nav2_simple_commander control_msgs cv_bridge image_transport message_filters ament_copyright ament_flake8
     launch_testing_ros launch_pytest ament_pep257 ament_lint_auto ament_lint_common ament_mypy ament_xmllint demo_nodes_py demo_nodes_cpp
     """

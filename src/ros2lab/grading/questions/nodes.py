@@ -109,7 +109,11 @@ def _owned(case: Case, player: Player) -> str:
 
 
 @question(
-    "right stamped alike wrong written missing", "type topic", CODES | TYPE_CODES, tells=" ".join(OF_TYPE)
+    "right stamped alike wrong untold written missing",
+    "type topic",
+    CODES | TYPE_CODES,
+    mute="untold",
+    tells=" ".join(OF_TYPE),
 )
 def has_its_type(case: Case, part: Part) -> Answer:
     """Whether the topic has the type that is asked for, that type with a header, or one of its name elsewhere."""
@@ -118,19 +122,22 @@ def has_its_type(case: Case, part: Part) -> Answer:
         end = case.written(part)
         level = "written" if end and end.type_name == part.type_name else "missing"
         return Answer(level, {"type": "", "topic": part.topic}, ("runs", "files.ends"))
-    wrong = [name for name in player.types if name != part.type_name]
-    is_right = part.type_name in player.types
-    written = _written_type(case, player, wrong[0]) if wrong else part.type_name
-    is_alike = written.rpartition("/")[2] == part.short_type
-    other = "stamped" if stamped(part.type_name) in wrong else "alike" if is_alike else "wrong"
-    seen = {"type": written, "topic": shown(player.topic)}
-    return Answer("right" if is_right else other, seen, (player.key,), seen["topic"])
+    level, written = "right", part.type_name
+    if part.type_name not in player.types:
+        written = _written_type(case, player)
+        is_alike = written.rpartition("/")[2] == part.short_type
+        other = "stamped" if stamped(part.type_name) in player.types else "alike" if is_alike else "wrong"
+        level = other if written else "untold"
+    seen = {"type": shown(written), "topic": shown(player.topic)}
+    return Answer(level, seen, (player.key,), seen["topic"])
 
 
-def _written_type(case: Case, player: Player, seen: str) -> str:
-    """Return a topic's type; the one in the code if a stand-in for a missing type was seen."""
+def _written_type(case: Case, player: Player) -> str:
+    """Return a topic's type; the one in the code if only that, or a stand-in, was seen; empty if it is no message's."""
+    seen = "" if player.is_read else next(iter(player.types), "")
     ends = [end for end in case.evidence.files.ends if end.topic == player.topic and end.type_name]
-    return shown(next((end.type_name for end in ends), seen) if seen == STAND_IN else seen)
+    name = next((end.type_name for end in ends), seen) if seen in ("", STAND_IN) else seen
+    return name if "/msg/" in name else ""
 
 
 @question(
