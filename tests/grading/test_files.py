@@ -583,6 +583,8 @@ def test_a_launch_file_that_is_not_installed_is_a_fault(look: Callable[[Texts], 
         "README.MD",
         "README.rst",
         "README",
+        "README.textile",
+        "README.creole",
         "Readme_de.md",
         "LIESMICH.md",
         "LISEZMOI.txt",
@@ -592,6 +594,26 @@ def test_a_launch_file_that_is_not_installed_is_a_fault(look: Callable[[Texts], 
 )
 def test_a_readme_is_found_by_its_name(look: Callable[[Texts], Files], name: str) -> None:
     assert look(right_package() | {name: "Überblick: colcon build"}).readme == "Überblick: colcon build"
+
+
+@pytest.mark.parametrize(
+    ("names", "read", "is_noted"),
+    [
+        (["README.mediawiki"], "Drive.", True),
+        (["README.mediawiki", "README.md"], "Drive.", True),
+        (["README.md.bak", "README.md"], "Drive.", True),
+        (["README.py"], "", False),
+        (["README.md"], "Drive.", False),
+    ],
+)
+def test_a_readme_that_is_not_rendered_here_is_read_as_it_stands(
+    look: Callable[[Texts], Files], names: list[str], read: str, is_noted: bool
+) -> None:
+    """Where there is no other one; HTML is hidden in it as elsewhere, and what else its page may hide is noted."""
+    texts = dict.fromkeys(names[:1], "Drive.<!-- /cmd_vel --> <includeonly>/robot/status</includeonly>")
+    found = look(right_package() | texts | dict.fromkeys(names[1:], "Drive."))
+    assert found.readme.strip() == read
+    assert any("not rendered here" in note for note in found.notes) is is_noted
 
 
 @pytest.mark.parametrize(

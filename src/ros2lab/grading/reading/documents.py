@@ -36,8 +36,10 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 _PYTHON_FILE = re.compile(r"\b\w+\.py\b")
 _TOPIC = re.compile(r"`(/[a-z]\w*(?:/[a-z]\w*)*)`")
 _QUOTED = re.compile(r"`([A-Za-z_]\w*)(?:\(\))?`")
-_MARKDOWN = frozenset(("", ".md", ".markdown", ".mdown", ".html"))  # which may hold HTML
-_TEXTS = frozenset((*_MARKDOWN, ".rst", ".txt", ".adoc", ".asciidoc", ".org"))
+_OF_MARKDOWN = ("", ".md", ".markdown", ".mdown", ".html")
+_TEXTS = frozenset(
+    (*_OF_MARKDOWN, ".rst", ".txt", ".adoc", ".asciidoc", ".org")
+)  # whose hidden parts are known
 
 
 def recordings(root: Path, paths: Iterable[PurePosixPath]) -> list[str]:
@@ -72,8 +74,9 @@ def readmes(
     counting = [found.folder for found in (*submission.also, *launching)]
     own = {package, submission.workspace, *counting} - {None}
     others = {found.folder for found in submission.packages} - own
-    files = [file for file in paths if _is_text(file) and not others & {*map(str, file.parents)} - {"."}]
-    named = [file for file in files if _README.fullmatch(file.name)]
+    near = [file for file in paths if not others & {*map(str, file.parents)} - {"."}]
+    files = [file for file in near if _is_text(file)]
+    named = [file for file in files if _README.fullmatch(file.name)] or [*filter(_is_in_other_form, near)]
     if not named:
         around = {".", "docs", "doc"}.union(*({folder, f"{folder}/docs", f"{folder}/doc"} for folder in own))
         # Their names may be in any language; a .txt, or a file without an ending, must be about ROS.
@@ -88,6 +91,16 @@ def readmes(
     return "\n\n".join(filter(None, dict.fromkeys(texts)))[:LONGEST_README]
 
 
+def unrendered(paths: Iterable[PurePosixPath]) -> list[str]:
+    """Return a note on each README in a form of which it is not known what its page hides."""
+    note = "{} is in a form that is not rendered here: if it is a text, and there is no other README, it was read as it stands, with what its page may hide."
+    return [note.format(file) for file in paths if _is_in_other_form(file)][:MOST_RECORDINGS]
+
+
+def _is_in_other_form(file: PurePosixPath) -> bool:
+    return bool(_README.fullmatch(file.name)) and file.suffix.lower() not in _TEXTS | _OF_CODE
+
+
 def is_prose(file: PurePosixPath) -> bool:
     """Return whether a file is a text for people, judged by its ending."""
     return file.suffix.lower() in _TEXTS - {""}
@@ -99,7 +112,7 @@ def _is_text(file: PurePosixPath) -> bool:
 
 def _shown(file: Path) -> str:
     text, kind = _any_text(file)[:LONGEST_README], file.suffix.lower()
-    if kind in _MARKDOWN:
+    if kind in _OF_MARKDOWN or kind not in _TEXTS:  # which may hold HTML
         return markdown.shown(text)
     if kind == ".rst":
         from ros2lab.grading.reading import restructured  # noqa: PLC0415 -- docutils is slow to import, and few need it
