@@ -205,17 +205,20 @@ class _Room:
             yield
         except ObserverLost as reason:
             if self.job:
-                self._finish(self.job, {"notes": [f"This could not be watched to its end: {reason}"]})
+                self._finish(self.job, {}, str(reason))
             self._socket.close()
             self._box.kill()
             self._start()
 
-    def _finish(self, job: Job, result: dict[str, Any]) -> None:
+    def _finish(self, job: Job, result: dict[str, Any], fault: str = "") -> None:
+        """End a job with what was seen; by a fault of the observer's own, the rest of it is untried."""
         job.result = result
         job.kill()
         if job.unfinished and not result.get("nodes"):  # on neither clock: there is nothing to come to an end
             job.unfinished = ""
             job.notes.append(f"No node of it was there within {job.seconds:.0f} s.")
+        if fault:
+            job.unfinished = f"the observer itself has failed ({fault.rstrip('.')})"
         self.job = None
 
     def _start(self) -> None:
@@ -292,8 +295,7 @@ class _Room:
         elif job.is_stepped and any("--ros-args" in said for said in job.ended.values()):
             self._begin_on_the_real_clock(job, "A program does not take --ros-args.")
         else:
-            failed = {"notes": [f"The observer failed: {message.get('why')}."]}
-            self._finish(job, message if do == "result" else failed)
+            self._finish(job, message if do == "result" else {}, message["why"])
 
     def _hold(self, job: Job, enclave: str) -> None:
         """Hold all programs but that of an enclave, none if it is empty; give up the job if that fails."""

@@ -83,6 +83,7 @@ class Conductor:
         self._first_values: dict[str, dict[str, Any]] = {}
         self._given: Given | None = None
         self._clocked: set[str] = set()
+        self._fault = ""  # of the observer's own, that has ended the run
         self._deadline = time.monotonic() + plan["seconds"]
 
     def tell(self, message: dict[str, Any]) -> None:
@@ -115,9 +116,11 @@ class Conductor:
                     return
                 except Gone:
                     pass
+                except Exception as error:  # what was seen by then counts
+                    self._fault = _told(error)
                 self._end(watch)
         except Exception as error:  # the grader reports it
-            self._say("failed", why=f"{type(error).__name__}: {error}"[:TEXT])
+            self._say("failed", why=_told(error))
 
     def _observe(self, watch: Watch) -> None:
         self._await_nodes(watch)
@@ -398,6 +401,7 @@ class Conductor:
             clocked=sorted(self._clocked),
             final=final,
             notes=sorted(watch.notes),
+            why=self._fault,
         )
 
     def _say(self, do: str, **more: Any) -> None:
@@ -420,6 +424,10 @@ class Conductor:
         os.write(1, line.encode())
         self._say("mark", line=line, number=number)
         self._go.acquire()
+
+
+def _told(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"[:TEXT]
 
 
 def main() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import secrets
 import statistics
 import time
@@ -438,8 +439,9 @@ class Watch(ObservedDomain):
 
     def take_answer(self, name: str, answer: GetParameters.Response) -> None:
         """Store the parameter values that a node has answered."""
-        values = [plain(parameter_value_to_python(value)) for value in answer.values]
-        self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
+        with contextlib.suppress(RuntimeError):  # of a type that no parameter has
+            values = [plain(parameter_value_to_python(value)) for value in answer.values]
+            self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
 
     def has_lost(self) -> bool:
         """Return whether a program has ended since the nodes were last asked."""
