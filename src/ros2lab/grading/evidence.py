@@ -14,7 +14,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.grading.senses import sense
 
-SCHEMA = 3
+SCHEMA = 4
 
 Clock = Literal["stepped", "real"]
 Way = Literal["installed", "module", "script"]
@@ -97,7 +97,6 @@ class Files:
             first.
         handlers: places that catch exceptions: `by name`, `wholesale`, or only `of an end`, such as by
             Ctrl-C.
-        clock_readers: the modules that may tell a simulated clock from a real one.
         compared: the short texts that the code compares something with.
         depended_on: those that it compares with values from messages, and on which something depends.
         idle: for each file, the lines of functions that never run and of assignments that no running code
@@ -132,7 +131,6 @@ class Files:
     tests: dict[str, int] = field(default_factory=dict)
     tests_left_out: list[str] = field(default_factory=list)
     handlers: dict[str, list[Place]] = field(default_factory=dict)
-    clock_readers: list[str] = field(default_factory=list)
     compared: list[str] = field(default_factory=list)
     depended_on: list[str] = field(default_factory=list)
     idle: dict[str, list[int]] = field(default_factory=dict)

@@ -26,7 +26,6 @@ from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
-from ros2lab.grading.code.clock_readers import clock_readers
 from ros2lab.grading.code.compared import compared
 from ros2lab.grading.code.dependence import depended_on
 from ros2lab.grading.code.own_messages import Messages, own_messages
@@ -35,7 +34,7 @@ from ros2lab.grading.code.vain_handlers import VainHandlers
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.reading.corrected import corrected
 from ros2lab.grading.reading.described import described
-from ros2lab.grading.reading.documents import foreign_names, named_in, readmes, recordings
+from ros2lab.grading.reading.documents import foreign_names, named_in, readmes, recordings, unrendered
 from ros2lab.grading.reading.graded_package import Package, has_code
 from ros2lab.grading.reading.launch_files import (
     around,
@@ -92,7 +91,7 @@ def look(
     reader = _PackageReader(root, submission, assignment, paths)
     facts, unread = read_all(reader.readers(texts), tell)
     unread |= _unread(_beyond(reader.graded), reader.sources)
-    notes = [*facts.pop("left_out", {}).values(), *told(unread)]
+    notes = [*facts.pop("left_out", {}).values(), *told(unread), *unrendered(paths)]
     return Files(**facts, readme=texts, readme_foreign=foreign, recordings=shown, notes=notes, unread=unread)
 
 
@@ -169,9 +168,6 @@ class _PackageReader:
             "ends": lambda: self.ends[0],
             "ends_elsewhere": lambda: ends_elsewhere(
                 root, self.paths, self.sources, itertools.chain(*self.ends)
-            ),
-            "clock_readers": lambda: clock_readers(
-                self.sources, {source.name.partition(".")[0] for source in self.sources}
             ),
             "declared": lambda: {
                 name: value for package in reversed(graded) for name, value in _declared(package).items()
@@ -259,7 +255,6 @@ def _loose(
         "ends_elsewhere": lambda: ends_elsewhere(
             root, paths, loose, itertools.chain(*written_ends(loose, words=words))
         ),
-        "clock_readers": lambda: clock_readers(loose, ()),
         "findings": findings,
         "ends_meant": lambda: written_ends(_corrected(whole(), findings()), words=words)[0],
     }

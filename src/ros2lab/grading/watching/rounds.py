@@ -256,10 +256,8 @@ class _Watching:
     def _to_compare(self) -> list[Job]:
         """Return the jobs that show on the real clock, once, what programs did on the stepped one: together or alone.
 
-        There are none where nothing in the package can tell the one from the other.
+        By what code tells the two apart cannot be listed: two timers do, and so do the messages of any other node.
         """
-        if not _may_tell_clocks(self._facts, self.runs):
-            return []
         stepped = {
             run.programs[0] for run in self.runs if run.setting == "alone" and run.clock == "stepped"
         } - self._compared
@@ -308,14 +306,6 @@ def _watched(observer: Observer, jobs: Sequence[Job]) -> list[Run]:
         again += job.apart() if is_open else []
         runs += [*shares, *([] if is_open or (job.is_shared and not job.is_again) else [run])]
     return runs + observer.watch(again)
-
-
-def _may_tell_clocks(facts: Files, runs: Iterable[Run]) -> bool:
-    """Return whether code, a parameter file or a launch file may do something else on a simulated clock."""
-    is_set = any(
-        "use_sim_time" in values for nodes in facts.parameter_files.values() for values in nodes.values()
-    )
-    return bool(facts.clock_readers) or is_set or any(run.clocked for run in runs)
 
 
 def _is_idle(run: Run) -> bool:
