@@ -194,6 +194,33 @@ def test_nothing_comes_after_a_line_that_always_fails(line: str) -> None:
     assert _status(text).does == [], text
 
 
+ASKS = """self.client = self.create_client(SetBool, "/motors")
+        request = SetBool.Request()
+        future = self.client.call_async(request)
+        LINE"""
+
+
+@pytest.mark.parametrize(
+    ("line", "does"),
+    [
+        ("self.client.call(request)", []),
+        ("answer = self.client.call(request)", []),
+        ("while not future.done(): pass", []),
+        ("while rclpy.ok() and not future.done(): time.sleep(0.1)", []),
+        ("self.client.call(request, timeout_sec=1.0)", ["publishes"]),
+        ("while not future.done(): rclpy.spin_once(self)", ["publishes"]),
+        ("while not future.done(): self.also()", ["publishes"]),
+        ("while not future.done():\n            if self.count: break", ["publishes"]),
+        ("from threading import Thread; self.client.call(request)", ["publishes"]),
+        ("from rclpy.executors import MultiThreadedExecutor; self.client.call(request)", ["publishes"]),
+        ("self.board.call(request)", ["publishes"]),
+    ],
+)
+def test_who_waits_for_an_answer_in_the_only_thread_keeps_it_from_coming(line: str, does: list[str]) -> None:
+    text = _filled(ASKS.replace("LINE", line)).replace("import threading\n", "")
+    assert _status(text).does == does
+
+
 @pytest.mark.parametrize(
     "line",
     [
@@ -451,18 +478,23 @@ def test_how_often_something_comes(timer: str, never: list[str], paces: list[flo
         "def tick(self)", "def loop(self):\n        while rclpy.ok(): self.tick()\n\n    def tick(self)"
     )
     told = _status(text)
-    assert (told.does, told.never, told.paces) == (["publishes"], never, paces)
+    assert (told.does, told.never, told.paces) == (["publishes"], [*never, "varies"], paces)
 
 
 @pytest.mark.parametrize(
     ("value", "never"),
     [
-        ("0.5", []),
+        ("0.5", ["varies"]),
+        ("-0.5; twist.angular.z = 1.0", ["varies"]),
+        ("0.5; self.twist = twist", []),
+        ("0.5\n        if self.count: twist.linear.x = 0.1", []),
+        ("0.5; twist = self.count or twist", []),
+        ("0.5; self.out.publish(Twist())", []),
         ("board.speed()", []),
         ("float('nan')", ["finite"]),
         ("math.inf", ["finite"]),
         ("-math.inf", ["finite"]),
-        ("1e999", ["finite"]),
+        ("1e999", ["finite", "varies"]),
         ("float('nan') if self.count else 0.5", []),
     ],
 )

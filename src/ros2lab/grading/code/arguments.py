@@ -8,7 +8,7 @@ from collections.abc import Collection
 from functools import cached_property
 
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function
+from ros2lab.diagnose.sources.python_source import Function, is_generator
 
 
 class Arguments:
@@ -25,16 +25,26 @@ class Arguments:
 
     def of(self, function: Function, name: str) -> list[ast.expr] | None:
         """Return what a parameter is given; None if something else may call the function."""
-        own = function.name
-        calls = self._calls[own]
-        is_plain = isinstance(function, ast.FunctionDef) and not function.decorator_list
-        is_plain &= not own.startswith("__")  # Python calls those, too
-        if not is_plain or self._defined[own] != 1 or not calls or self._named[own] != len(calls):
+        calls = self._all_calls(function)
+        if calls is None:
             return None
         found = [given_to(function, call, name) for call in calls]
         if any(given is None for given in found):
             return None
         return [given for call, given in zip(calls, found, strict=True) if given and call in self._code]
+
+    def only_call(self, function: Function) -> ast.Call | None:
+        """Return the call before whose end all of a function runs, if nothing else uses it; else None."""
+        calls = self._all_calls(function) or []
+        return calls[0] if len(calls) == 1 and not is_generator(function) else None
+
+    def _all_calls(self, function: Function) -> list[ast.Call] | None:
+        """Return the calls of a function; None if anything else may call it, too."""
+        own, is_plain = function.name, isinstance(function, ast.FunctionDef) and not function.decorator_list
+        is_plain &= not own.startswith("__")  # Python calls those, too
+        calls = self._calls[own]
+        is_all = is_plain and self._defined[own] == 1 and calls and self._named[own] == len(calls)
+        return calls if is_all else None
 
     @cached_property
     def _nodes(self) -> list[ast.AST]:

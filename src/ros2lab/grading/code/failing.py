@@ -18,7 +18,7 @@ from functools import cached_property
 from typing import Any
 
 from ros2lab.diagnose.sources.interfaces import is_interface
-from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
     YIELDS,
     Function,
@@ -52,6 +52,13 @@ _WAITS = {
     "wait": re.compile(r"(threading|multiprocessing)\.Event"),
     "result": re.compile(r"concurrent\.futures\.Future"),
 }
+# What waits until an answer has come, by what its object is made with; and what gives a future for one.
+_CALLS = {"call": "create_client", "send_goal": "ActionClient"}
+_FUTURES = frozenset(("call_async", "send_goal_async", "get_result_async"))
+_PASTIMES = LOG_METHODS | {"sleep", "print", "get_logger"}
+_MORE_THREADS = re.compile(
+    r"\b(?:async|asyncio|concurrent|multiprocessing|threading|_thread|subprocess)\b|Thread|Executor\b"
+)
 _LOOKS = frozenset(
     (
         "len",
@@ -106,6 +113,8 @@ class Failing:
             case ast.ImportFrom(module=str(module), names=names, level=0):
                 return any(self._possible.messages.lacks(f"{module}.{alias.name}") for alias in names)
             case ast.Assert(test=test) if self._possible.outcomes(test) == {False}:
+                return True
+            case ast.While(test=test, body=body) if self._waits_in_vain(test, body):
                 return True
             case ast.For(iter=values) if self._are(values, (int, float, bool, type(None), _Message)):
                 return True
@@ -233,9 +242,41 @@ class Failing:
             for one in itertools.product(*given)
         )
 
+    def _waits_in_vain(self, test: ast.expr, body: Sequence[ast.stmt]) -> bool:
+        """Return whether a loop goes on until the future of a request is done, and lets nothing come meanwhile."""
+        inside = [node for part in body for node in walk(part)]
+        calls = {_last(node.func) for node in inside if isinstance(node, ast.Call)}
+        if not self._is_single or not calls <= _PASTIMES or any(isinstance(node, _LEAVES) for node in inside):
+            return False
+        both = test.values if isinstance(test, ast.BoolOp) and isinstance(test.op, ast.And) else [test]
+        waits = (
+            part.operand for part in both if isinstance(part, ast.UnaryOp) and isinstance(part.op, ast.Not)
+        )
+        asked = (it.func for it in waits if isinstance(it, ast.Call) and _last(it.func) == "done")
+        return any(isinstance(it, ast.Attribute) and self._is_made_by(it.value, _FUTURES) for it in asked)
+
+    def _is_made_by(self, owner: ast.expr, names: Collection[str]) -> bool:
+        """Return whether all that a name or an attribute may be comes from calls of functions with some names."""
+        if not isinstance(owner, (ast.Name, ast.Attribute)) or owner not in self._possible.scopes:
+            return False
+        values = [store.value for store in self._possible.stores_of(owner)]
+        return bool(values) and all(isinstance(it, ast.Call) and _last(it.func) in names for it in values)
+
+    @cached_property
+    def _is_single(self) -> bool:
+        """Whether one thread does all: what waits in it for an answer keeps it from coming, wherever it stands."""
+        return not any(_MORE_THREADS.search(source.text) for source in self._sources.sources.values())
+
     def _waits_for_ever(self, source: PythonSource, call: ast.Call) -> bool:
-        """Return whether a call waits for what nobody brings: all that is done with its object is to wait like this."""
+        """Return whether a call waits for what nobody brings: all that is done with its object is to wait like this.
+
+        So does one for an answer, where the only thread waits.
+        """
         match call:
+            case ast.Call(func=ast.Attribute(value=owner, attr=method), args=[_], keywords=[]) if (
+                method in _CALLS
+            ):
+                return self._is_single and self._is_made_by(owner, (_CALLS[method],))
             case ast.Call(func=ast.Attribute(value=owner, attr=method), args=[], keywords=[]) if (
                 method in _WAITS
                 and isinstance(owner, (ast.Name, ast.Attribute))

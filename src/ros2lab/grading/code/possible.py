@@ -76,7 +76,7 @@ class Possible:
         as_declared: bool = False,
     ) -> None:
         self.messages = messages
-        self._arguments = Arguments(sources, code)
+        self.arguments = Arguments(sources, code)
         self._as_declared = as_declared
         self._sources = sources
         self._code = code
@@ -235,7 +235,7 @@ class Possible:
         key = ("argument", function, name)
         if key not in self._known:
             self._known[key] = ANY  # if it is handed on to itself
-            given = None if self.is_open else self._arguments.of(function, name)
+            given = None if self.is_open else self.arguments.of(function, name)
             found = ANY if given is None else frozenset[Any]().union(*map(self.values, given))
             self._known[key] = found if len(found) <= MOST_VALUES else ANY
         return self._known[key]

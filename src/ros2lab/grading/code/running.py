@@ -17,6 +17,7 @@ from collections.abc import Collection, Iterator
 from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
+from ros2lab.grading.code.entering import entering
 from ros2lab.grading.code.failing import Failing
 from ros2lab.grading.code.own_messages import Messages
 from ros2lab.grading.code.paths import Paths
@@ -88,7 +89,16 @@ def running(
         for part in source.tree.body
         if _is_entrance(source, part, entrances)
     ]
-    done = set[ast.AST]()
+    done, entered = set[ast.AST](), dict[ast.AST, Facts]()
+    free = {piece for _, piece in waiting}  # what may begin by itself, whatever holds
+    free |= {
+        method
+        for source in sources
+        for node in source.nodes
+        if isinstance(node, ast.ClassDef)
+        for method in _called_by_others(source, node, classes)
+    }
+    is_by_name = any(_finds_any(node) for source in sources for node in source.nodes)
     while waiting:
         source, piece = waiting.pop()
         if piece in done:
@@ -96,8 +106,12 @@ def running(
         done.add(piece)
         if isinstance(piece, ast.ClassDef):
             waiting += [(source, method) for method in _called_by_others(source, piece, classes)]
-        for node in _pieces(paths, source, piece):
+        for node, facts in _pieces(paths, source, piece, entered.get(piece, ())):
             yield source, node
+            if possible is not None and not is_by_name and isinstance(node, ast.Call):
+                for _, called in named.get(getattr(node.func, "attr", getattr(node.func, "id", "")), ()):
+                    if called not in free and isinstance(called, ast.FunctionDef):
+                        entered[called] = entering(possible, called, node, facts)
             for name in _names_in(node):
                 waiting += named.pop(name, ())
             if _finds_any(node):
@@ -153,15 +167,24 @@ def _is_entrance(source: PythonSource, statement: ast.stmt, entrances: Collectio
     return False
 
 
-def _pieces(paths: Paths, source: PythonSource, piece: ast.AST) -> Iterator[ast.AST]:
-    """Yield the nodes that run with a piece of code; no undecorated definitions or named dictionaries."""
-    waiting: list[tuple[ast.AST, Facts]] = [(piece, ())]
+def _pieces(
+    paths: Paths, source: PythonSource, piece: ast.AST, entered: Facts
+) -> Iterator[tuple[ast.AST, Facts]]:
+    """Yield the nodes that run with a piece of code, with the facts that hold there; no undecorated definitions or named dictionaries.
+
+    Args:
+        paths: the paths through it.
+        source: its file.
+        piece: the piece.
+        entered: the facts that hold where it begins.
+    """
+    waiting: list[tuple[ast.AST, Facts]] = [(piece, entered)]
     while waiting:
         node, facts = waiting.pop()
         if whole := _whole(node):
-            yield from whole
+            yield from ((part, facts) for part in whole)
             continue
-        yield node
+        yield node, facts
         for inner, known in paths.reached(source, node, facts):
             match inner:
                 case (
