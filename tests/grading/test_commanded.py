@@ -112,3 +112,30 @@ def test_a_command_without_a_branch_of_its_own_is_charged_once(
     assert judged(evidence, "commands").points == commands
     one = judged(evidence, "log")
     assert one.points == points, one.reason
+
+
+@pytest.mark.parametrize(
+    ("known", "words", "points"),
+    [
+        (("start",), ("start",), {"commands": 1.5, "log": 2}),
+        (("start", "stop"), ("start",), {"commands": 3, "log": 2}),
+        (WORDS, ("start",), {"commands": 6, "log": 4}),
+        ((), ("start",), {"commands": 6, "log": 4}),
+        (("go",), ("start",), {"commands": 6, "log": 4}),
+    ],
+    ids=[
+        "none of them",
+        "one of them",
+        "all",
+        "reading finds none",
+        "reading misses the one that was obeyed",
+    ],
+)
+def test_a_command_that_was_not_said_is_believed_by_the_code(
+    known: Sequence[str], words: Sequence[str], points: Mapping[str, float]
+) -> None:
+    """A node that sleeps at the first one leaves no time for the others, whether or not it knows them."""
+    run = evidences.command_run(texts=(*words,))
+    given = evidences.right([evidences.status_run(), run, evidences.velocity_run()])
+    given = evidences.files(depended_on=[*known], compared=[*known])(given)
+    assert {name: judged(given, name).points for name in points} == points

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Set
 from typing import NamedTuple
 
 from ros2lab.assignments import Part
@@ -21,15 +21,19 @@ def words_of(effects: Mapping[int, Mapping[str, str]], how: str) -> set[str]:
     return {word for found in effects.values() for word, seen in found.items() if seen == how}
 
 
-def unsent_by(part: Part, runs: Iterable[Run]) -> set[str]:
-    """Return the words that were not sent because an earlier one ended a node, which counts elsewhere."""
+def unsent_by(case: Case, part: Part, runs: Iterable[Run], obeyed: Set[str]) -> set[str]:
+    """Return the words that were not sent because an earlier one ended a node or kept it busy, which counts elsewhere.
+
+    Where reading finds the words that were seen to be obeyed, it must find these in the code, too.
+    """
     sent = set()
     for run in runs:
         for command in run.commands:
             sent.add(command.text)
             if not command.is_alive:
                 break
-    return {*part.commands} - sent
+    unsent, known = {*part.commands} - sent, _depended_on(case)
+    return unsent & known if known and obeyed <= known else unsent
 
 
 def telling_players(players: list[Player]) -> list[Player]:
@@ -56,7 +60,7 @@ class Told(NamedTuple):
         processed: those that something of their own follows, and those whose effect holds already.
         already: those whose effect holds already.
         believed: those that only the log shows to have come, and on which the code depends.
-        unsent: those that were not sent because an earlier one ended a node, which counts elsewhere.
+        unsent: those that were not sent; see `unsent_by`.
     """
 
     effects: dict[int, dict[str, str]]
@@ -85,7 +89,7 @@ def told_of(case: Case, part: Part) -> Told:
     already = _is_so_already(case, part, effects)
     processed = (words_of(effects, "processed") | already) - by_place
     believed = words_of(effects, "echoed") & _depended_on(case)
-    unsent = unsent_by(part, runs.values())
+    unsent = unsent_by(case, part, runs.values(), processed)
     return Told(effects, processed, already, believed - processed - unsent - by_place, unsent)
 
 

@@ -159,7 +159,7 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
     logged -= told_by_place(part, every, unprompted(case))
     own = _own_words(part, runs, {id(run) for run in runs}, unprompted(case))
     own = [word for word in own if any(word in _logged(_with_own(part, run), run) for run in runs)]
-    unsent = unsent_by(part, runs)
+    unsent = unsent_by(case, part, runs, logged)
     silent = [word for word in part.commands if word not in logged | unsent]
     if len(own) >= len(silent):
         level = "until_end" if unsent - logged else "all"
