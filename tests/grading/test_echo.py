@@ -44,16 +44,18 @@ def run_of(
     return replace(evidences.velocity_run(values=[*before]), commands=commands)
 
 
-def reason(run: Run, does: list[str] | None) -> str | None:
+def reason(run: Run, does: list[str] | None, never: Sequence[str] = ()) -> str | None:
     """Return why the repetition of the velocity loses points; None if it has all.
 
     Args:
         run: of its program.
         does: what its code does with the words.
+        never: what it never does with the velocity.
     """
     evidence = evidences.right([evidences.status_run(), evidences.command_run(), run])
     end = WrittenEnd("/robot/command", evidences.STRING, False, [], evidences.VELOCITY, does)
-    evidence = replace(evidence, files=replace(evidence.files, ends=[end]))
+    out = WrittenEnd(TOPIC, evidences.TWIST, True, [], evidences.VELOCITY, ["publishes"], [*never])
+    evidence = replace(evidence, files=replace(evidence.files, ends=[end, out]))
     criteria = verdict(evidence, load()).criteria
     (found,) = [c for c in criteria if c.id == "velocity_publisher.repetition"]
     return None if found.points == found.max else found.reason
@@ -124,3 +126,14 @@ def test_unknown_words_bring_no_velocities_of_their_own(speeds: Sequence[float],
 def test_what_looks_at_the_words_may_know_others(does: list[str] | None) -> None:
     """It stands still at each word that it does not know, and nobody has said one that it knows."""
     assert reason(run_of([[STANDS]] * len(WORDS)), does) is None
+
+
+def test_what_comes_late_after_very_many_words_does_not_come_by_itself() -> None:
+    words = (*WORDS, "1000 x start, stop", "start")
+    run = run_of([*[[DRIVES]] * len(WORDS), [], [DRIVES] * 10], words=words)
+    assert reason(run, ["logs"]) is not None
+
+
+def test_what_has_but_one_message_knows_no_word_that_changes_it() -> None:
+    run = run_of([[STANDS]] * len(WORDS))
+    assert reason(run, ["reads"], never=["varies"]) is not None

@@ -116,6 +116,37 @@ class Publishing:
                     }
         return not any(values and all(map(_is_endless, values)) for values in given.values())
 
+    def is_always_same(self, uses: Sequence[ast.Call]) -> bool:
+        """Return whether these calls publish nothing but one message, with the same constants in it."""
+        said = {self._constants(call) for call in uses}
+        return len(said) == 1 and None not in said
+
+    def _constants(self, call: ast.Call) -> str | None:
+        """Return the code of what a call publishes, made there or in the lines before it; None if it is not constant."""
+        match call.args:
+            case [ast.Call() as made] if self._is_constant(made):
+                return text_of(made)
+            case [ast.Name(id=name)]:
+                here = self._statement(call)
+                function, lines = self._scope(call)[2], self._before(here)
+                used = (
+                    [node for node in walk(function) if getattr(node, "id", "") == name] if function else []
+                )
+                said = [line for line in map(self._statement, used) if line is not here]
+                is_set = all(isinstance(line, ast.Assign) and line in lines for line in said)
+                if said and is_set and all(self._is_constant(line.value) for line in said):  # type: ignore[attr-defined]
+                    return "; ".join(map(text_of, said)).replace(name, "_")
+        return None
+
+    def _is_constant(self, value: ast.expr) -> bool:
+        """Return whether an expression is made of constants and new messages alone."""
+        match value:
+            case ast.Call(args=[], keywords=keywords):
+                return is_interface(self._made(value)) and all(self._is_constant(it.value) for it in keywords)
+            case ast.UnaryOp(operand=inner):
+                return self._is_constant(inner)
+        return isinstance(value, ast.Constant)
+
     def is_destroyed(self, creation: Creation) -> bool:
         """Return whether an end is destroyed after it is created, before anything could come of it."""
         statement = self._statement(creation.call)

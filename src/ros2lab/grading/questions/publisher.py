@@ -7,14 +7,15 @@ import math
 from collections.abc import Sequence
 
 from ros2lab.assignments import Part
-from ros2lab.grading.evidence import GIVEN
+from ros2lab.grading.evidence import GIVEN, Heard, Run
 from ros2lab.grading.judging.excuses import sent_once
 from ros2lab.grading.judging.periods import gaps_of, period_of, quiet_times
 from ros2lab.grading.judging.player import Player, of_one_node
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
-from ros2lab.grading.reading.deeds import FINITE, PACED, READS, REPEATS
+from ros2lab.grading.questions.commands import FLOOD
+from ros2lab.grading.reading.deeds import FINITE, PACED, READS, REPEATS, VARIES
 from ros2lab.grading.sandbox.box import without_codes
 from ros2lab.grading.senses import is_seen, is_velocity, numbers_in
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
@@ -100,7 +101,7 @@ def comes_again(case: Case, part: Part) -> Answer:
     level = "repeated" if most > 1 else "once" if most else "silent"
     everybody = of_one_node(case.players[part.name], case.main(part))
     if level == "repeated" and not any(_comes_by_itself(player) for player in everybody):
-        is_echo = _is_echo(everybody) and not _may_listen(case, everybody)
+        is_echo = _is_echo(everybody) and not _may_change(case, everybody)
         level = "echoed" if is_echo or any(_is_at_random(case, player) for player in everybody) else "changed"
     keys = [best.quiet_key] if best.topic in best.run.quiet else []
     keys += [
@@ -114,17 +115,25 @@ def comes_again(case: Case, part: Part) -> Answer:
 def _comes_by_itself(player: Player) -> bool:
     """Return whether several messages came before any command or request, or after a single one."""
     run, topic = player.run, player.topic
-    after = [command.topics for command in run.commands if ", " not in command.text]
-    stretches = [run.quiet, *(call.topics for call in run.calls), *after]
+    stretches = [run.quiet, *(call.topics for call in run.calls), *_after_words(run)]
     return any(topic in topics and topics[topic].count > 1 for topics in stretches)
 
 
-def _may_listen(case: Case, players: Sequence[Player]) -> bool:
-    """Return whether the code of some players may look at what comes: other words than were said may change it."""
+def _after_words(run: Run) -> list[dict[str, Heard]]:
+    """Return what came after each word that was said by itself, and before the many, after which some may come late."""
+    said = itertools.takewhile(lambda command: FLOOD not in command.text, run.commands)
+    return [command.topics for command in said if ", " not in command.text]
+
+
+def _may_change(case: Case, players: Sequence[Player]) -> bool:
+    """Return whether the code of some players may look at what comes, and say something else at other words than were said."""
     programs = [case.executables[player.program] for player in players if player.program in case.executables]
     modules = {module for program in programs for module in (*program.modules, program.stem)}
-    ends = [end for end in case.evidence.files.ends if not end.is_publisher and end.module in modules]
-    return not ends or any(end.does is None or READS in end.does for end in ends)
+    ends = [end for end in case.evidence.files.ends if end.module in modules]
+    taken = [end.does for end in ends if not end.is_publisher]
+    said = [end.never for end in ends if end.is_publisher and end.topic in ("", players[0].topic)]
+    may_listen = not taken or any(does is None or READS in does for does in taken)
+    return may_listen and not (said and all(VARIES in never for never in said))
 
 
 def _is_echo(players: Sequence[Player]) -> bool:
@@ -136,10 +145,7 @@ def _is_echo(players: Sequence[Player]) -> bool:
     is_steady = all(value == values[0] for value in values)
     if not is_steady or any(player.run.calls or quiet_times(player) for player in players):
         return False
-    after = [
-        [command.topics.get(player.topic) for command in player.run.commands if ", " not in command.text]
-        for player in players
-    ]
+    after = [[topics.get(player.topic) for topics in _after_words(player.run)] for player in players]
     times = [[heard.times[0] for heard in stretches if heard and heard.times] for stretches in after]
     return any(
         1 < len(came) == len(stretches) and min(_between(came)) > LONG_AFTER

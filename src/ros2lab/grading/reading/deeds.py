@@ -20,6 +20,7 @@ from ros2lab.grading.evidence import WrittenEnd
 # What code does with a publisher: publish, again and again, finite numbers, in time. With a subscription:
 # read the messages, log something now and then, name all of the commands.
 PUBLISHES, REPEATS, FINITE, PACED = "publishes", "repeats", "finite", "paced"
+VARIES = "varies"  # publish now this and now that
 READS, LOGS, COMPARES = "reads", "logs", "compares"
 # What a line of code would have to do, as a clause.
 CLAUSES = {
@@ -69,13 +70,15 @@ class Deeds:
         if uses is None:
             return replace(end, does=[PUBLISHES])
         rhythm = self._publishing.rhythm(uses)
-        never = (
-            {REPEATS: not rhythm.repeats, FINITE: not self._publishing.is_finite(creation)} if uses else {}
-        )
+        never = {
+            REPEATS: not rhythm.repeats,
+            FINITE: not self._publishing.is_finite(creation),
+            VARIES: self._publishing.is_always_same(uses),
+        }
         return replace(
             end,
             does=[PUBLISHES] if uses else [],
-            never=[deed for deed, is_never in never.items() if is_never],
+            never=[deed for deed, is_never in never.items() if uses and is_never],
             paces=sorted(rhythm.paces or ()),
             begins=rhythm.begins,
         )
