@@ -406,9 +406,18 @@ def test_the_package_is_chosen_by_what_it_does(
     assert len(result.packages) == 4
     assert result.package is not None
     assert (result.package.folder, result.package.name) == (f"src/{letter}", name)
+    assert result.noted("for a library") == []
     # The other one has no node; where nothing but the name is better, nothing else is said to be.
     assert result.noted("more elsewhere", "not graded") == ["src/m1", "src/m3"]
     assert bool(result.noted("not graded")) is (topics == ("/status",))
+
+
+def test_a_package_that_stands_in_for_a_library_is_noted(tmp_path: Path, take: Take) -> None:
+    """What the nodes import is theirs then; whoever reads the report would look for it elsewhere."""
+    files = below("src/robot_controller", package("robot_controller", TOPICS))
+    files |= below("src/rclpy", package("rclpy", [])) | below("src/more", package("more", []))
+    result = take(as_folder(tmp_path / "ws", files))
+    assert result.noted("for a library") == ["src/rclpy"]
 
 
 @pytest.mark.parametrize(

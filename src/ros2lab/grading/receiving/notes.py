@@ -32,6 +32,7 @@ Kind = Literal[
     "more elsewhere",
     "not built",
     "not in src",
+    "for a library",
     "refused",
 ]
 SENTENCES: Mapping[Kind, str] = {
@@ -60,6 +61,7 @@ SENTENCES: Mapping[Kind, str] = {
     "more elsewhere": "Not graded, for the package in {detail} has more of what was asked for",
     "not built": "Not graded, for colcon builds no executable of it, as it does of the package in {detail}",
     "not in src": "Not graded, for it does not lie in the src of a workspace, as the package in {detail} does",
+    "for a library": "What imports it runs with it, and not with the library of its name that is installed",
     "refused": "{detail}",
 }
 MOST_NAMED = 5  # paths, in a sentence

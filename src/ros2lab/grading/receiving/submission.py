@@ -16,6 +16,7 @@ from typing import Literal
 
 from ros2lab import assignments
 from ros2lab.assignments import Assignment
+from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.node_source import NODE_CLASSES
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import LARGEST_FILE as LARGEST_SOURCE
@@ -190,6 +191,9 @@ def found_in(root: Path, received: Received, assignment: Assignment | None = Non
     ]
     chosen, also = choose(candidates)
     _note_others(candidates, chosen, also, noted)
+    for candidate in candidates:
+        if candidate not in (chosen, *also) and candidate.folder in seen and is_installed(candidate.name):
+            noted.note("for a library", str(candidate.folder))
     node_files = [source.shown for source in sources.get(None, []) if _starts_node(source)]
     workspace = chosen.workspace if chosen else None
     form: Form = "workspace" if workspace else "package" if chosen else "files" if node_files else "nothing"
