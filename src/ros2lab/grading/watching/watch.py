@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import secrets
 import statistics
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from rcl_interfaces.srv import GetParameters, ListParameters
@@ -31,8 +31,7 @@ ANSWER_TIMEOUT = 10.0
 SLOW = 0.3  # s that nodes which sleep take to answer
 SLEEP = 1.0  # s that a step takes if a timer sleeps
 SLEEPS = 3  # such steps, after which the clock is not stepped any more
-
-TOPICS, NODES = 20, 20  # that are watched
+TOPICS = NODES = 20  # that are watched
 NAMELESS = "_NODE_NAME_UNKNOWN_"
 OF_EVERY_NODE = ("rcl_interfaces/srv/", "type_description_interfaces/srv/")
 
@@ -439,9 +438,9 @@ class Watch(ObservedDomain):
 
     def take_answer(self, name: str, answer: GetParameters.Response) -> None:
         """Store the parameter values that a node has answered."""
-        with contextlib.suppress(RuntimeError):  # of a type that no parameter has
-            values = [plain(parameter_value_to_python(value)) for value in answer.values]
-            self.values[name] = dict(zip(self.parameter_names.get(name, []), values, strict=False))
+        with suppress(RuntimeError):  # of a type that no parameter has
+            asked = zip(self.parameter_names.get(name, []), answer.values, strict=False)
+            self.values[name] = {key: plain(parameter_value_to_python(value)) for key, value in asked}
 
     def has_lost(self) -> bool:
         """Return whether a program has ended since the nodes were last asked."""
