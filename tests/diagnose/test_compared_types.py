@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 from right_workspace import right_workspace
 
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.checking import compared_types
+from ros2lab.diagnose.checking.checked_copies import Row
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.python_source import PythonSource
 
 
 def told(condition: str, root: Path) -> list[Finding]:
@@ -206,3 +210,19 @@ def test_a_whole_object_is_no_condition(tmp_path: Path, lines: str, fix: str) ->
     files.change("listener", ': "{msg.data}"', "")
     found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "message-compared"]
     assert [one.fix.startswith(fix) for one in found] == [True] * bool(fix)
+
+
+def test_only_of_a_file_with_a_comparison_the_type_checker_is_asked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It takes longer than all else; the call of __init__ in each node is no reason to ask."""
+    asked = list[str]()
+    check = compared_types.checked
+
+    def checked(source: PythonSource, texts: Sequence[bytes]) -> list[list[Row]]:
+        asked.append(source.name.rpartition(".")[2])
+        return check(source, texts)
+
+    monkeypatch.setattr(compared_types, "checked", checked)
+    assert of_workspace(right_workspace().write(tmp_path)) == []
+    assert asked == ["command_subscriber"]

@@ -140,13 +140,17 @@ def _is_only_asked(source: PythonSource, value: ast.expr) -> bool:
     return any(all(id(n) in asked or isinstance(n.ctx, ast.Store) for n in names) for names in used)
 
 
+# Without __init__, which is called in nearly every node: then the type checker would run for each of them.
+_OF_STRINGS = frozenset(name for name in dir(str) if not name.startswith("__"))
+
+
 def _lost(source: PythonSource) -> Iterator[_Compared]:
     """Yield the calls of methods that a string has, too, whose result is not used."""
     tried = tried_statements(source)
     for node in source.nodes:
         match node:
             case ast.Expr(value=ast.Call(func=ast.Attribute(value=side, attr=name)) as call) if (
-                id(node) not in tried and hasattr(str, name) and not isinstance(side, ast.Constant)
+                id(node) not in tried and name in _OF_STRINGS and not isinstance(side, ast.Constant)
             ):
                 yield _Compared(call, side, (), is_equal=True)
 
