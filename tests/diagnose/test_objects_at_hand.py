@@ -23,6 +23,7 @@ class Talker(Node):
         super().__init__('talker')
         self.pub = self.create_publisher(String, 'topic', 10)
         self.timer = self.create_timer(1.0, self.tick)
+        self.count = 0
         {first}
 
     def tick(self):
@@ -43,7 +44,7 @@ def main():
 
 def of(**lines: str) -> str:
     usual = {
-        "first": "self.count = 0",
+        "first": "self.name = 'a'",
         "inside": "self.count += 1",
         "added": "executor.add_node(node)",
         "below": "node.destroy_node()",

@@ -180,6 +180,8 @@ def _said_by_tools(error: ErrorText, known: list[Finding], look: Look, *, is_fro
     if not error.reports and (is_frozen or is_own_log(error.decisive, look)):
         return []
     said = said_by_tools(error, look)
+    if said and not (error.reports or said[0].place or said[0].fix.startswith("write ")):
+        return [*known, *said]  # what is missing in the workspace tells more than that it is missing
     return (seen_there(said[0], error, known, look) if said and look else []) or said
 
 

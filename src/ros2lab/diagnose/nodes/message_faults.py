@@ -376,6 +376,9 @@ def _fields_sent(scope: Scope, node: ast.Call, message: str, signature: Signatur
     given = dict(zip(names, node.args, strict=False)) | {str(k.arg): k.value for k in node.keywords}
     is_whole = len(given) == len(values) and given.keys() <= {*names}
     whole = filled(message, ast.Dict([*map(ast.Constant, given)], [*given.values()]) if is_whole else None)
+    if not values and scope.function:
+        names_there = (ast.Name(name, ast.Load()) for name in scope.kinds.locals_of(scope.function))
+        whole = next((name.id for name in names_there if scope.kind(name) == message), whole)
     more = f", with these values in its fields ({', '.join(names) or 'ros2 interface show lists them'})"
     cause = f"{method}() sends {what}, and these values belong in its fields."
     code, cause = (
