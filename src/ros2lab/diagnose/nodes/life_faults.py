@@ -28,6 +28,7 @@ from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
     assigned_to,
+    assignments,
     given_to,
     is_generator,
     last_name,
@@ -315,11 +316,13 @@ def _ends_of_last(
     before = {id(node) for function in (*functions, *own) for node in walk(function)}
     calls = [call for file in sources.sources.values() for call in file.calls]
     ends = [call for call in calls if re.match("(cancel|destroy)(?!_node)", last_name(call.func) or "")]
-    for call in ends:
-        ended = call.args[0] if call.args else getattr(call.func, "value", call)
-        if not name or id(call) in before or call not in source.calls or ast.unparse(ended) != name:
-            return None
-    return ends
+    here = {last_name(target) for target, value in assignments(source.nodes) if isinstance(value, ast.Call)}
+    ended = {id(call): call.args[0] if call.args else getattr(call.func, "value", call) for call in ends}
+    ends = [call for call in ends if call in source.calls or last_name(ended[id(call)]) in here]
+    is_last = (
+        bool(name) and id(call) not in before and ast.unparse(ended[id(call)]) == name for call in ends
+    )
+    return ends if all(is_last) else None
 
 
 def _asks_message(source: PythonSource, function: Function, made: ast.Call) -> bool:
