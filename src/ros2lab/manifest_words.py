@@ -23,7 +23,7 @@ _TAG = re.compile(r"</?[\w:.-]+")
 _TODO = re.compile(r"\bTODO\b|\bFIXME\b|\b[Tt]odo:")  # in Spanish `todo` is a word
 _TEMPLATE = "TODO: Package description"  # as `ros2 pkg create` writes it
 _LETTERS = re.compile(r"[^\W\d_]+")
-_FEWEST_WORDS = 2
+FEWEST_WORDS = 2  # of what tells something
 # What a template or a tutorial has for a name or an address speaks to its reader.
 _TO_READER = re.compile(r"you@|[Yy]our(?![a-z])|YOUR(?![a-z])")
 
@@ -43,12 +43,12 @@ def describes(text: str, package: str) -> bool:
 
     Words of one letter, and those that `ros2 pkg create` has put there, tell nothing.
     """
-    name = {*_words(package)}
-    told = {*_words(text)} - name - {"".join(_words(package))} - {*_words(_TEMPLATE)}
-    return not is_to_be_done(text) and len(told) >= _FEWEST_WORDS
+    name = {*words_in(package)}
+    told = {*words_in(text)} - name - {"".join(words_in(package))} - {*words_in(_TEMPLATE)}
+    return not is_to_be_done(text) and len(told) >= FEWEST_WORDS
 
 
-def _words(text: str) -> Iterator[str]:
+def words_in(text: str) -> Iterator[str]:
     """Yield the words of a text, and each letter of a script without capitals: some write no spaces between words."""
     for letters in _LETTERS.findall(text.casefold()):
         if letters.upper() == letters:

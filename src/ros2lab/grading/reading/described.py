@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.grading.code.running import Code
 from ros2lab.grading.reading.launch_files import without_comments
+from ros2lab.manifest_words import FEWEST_WORDS, words_in
 
 MOST_NAMES_OF_ONE = 3  # definitions that may share a docstring
 LONGEST_ARTICLE = 3  # letters
@@ -23,7 +24,11 @@ STEM = 4  # letters, in which words of one family agree, in many languages
 _LETTERS = re.compile(r"[^\W\d_]+")
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _A_WORD = re.compile(r"[^\W\d_]{2}|[^\W\da-zA-Z_]")  # in some scripts, a single letter is a word
-_OF_LICENCE = re.compile(r"copyright|licen[sc]e", re.IGNORECASE)
+# What a licence and the tutorials of ROS have written in many files.
+_OF_OTHERS = re.compile(
+    r"copyright|licen[sc]e|prevent unused variable|destroy the node explicitly", re.IGNORECASE
+)
+_FILE_NAME = re.compile(r"\S+\.py\b")
 _OF_TOOLS = re.compile(r"#\s*(?:[!/]|(?:todo|fixme|xxx)\b)|#.*(?:coding[:=]|noqa|type:)", re.IGNORECASE)
 _NEVER_PROSE = (
     ast.Assign,
@@ -46,6 +51,8 @@ _DESCRIPTION = re.compile(
 def described(sources: Iterable[PythonSource], code: Code = (), readme: str = "") -> dict[str, list[int]]:
     """Count the modules, classes and functions with a docstring or a comment, and all of them, by kind.
 
+    A module is described by itself or by one of its classes.
+
     Under `about` are those of which a word also stands in the code of their file or in the README, and all that
     have a docstring or a comment.
 
@@ -66,13 +73,20 @@ def described(sources: Iterable[PythonSource], code: Code = (), readme: str = ""
             any(_is_about(text, known) for text in definition.texts) for definition in used
         )
         counts["about"][1] += len(used)
-    for definition in found:
-        is_described = any(said.isdisjoint((text, definition.rest(text))) for text in definition.texts)
-        if is_described and definition.is_vain:
-            continue
-        if is_described or not definition.says_itself:
-            counts[definition.kind][0] += is_described
-            counts[definition.kind][1] += 1
+    for definitions in by_source.values():
+        told = [
+            any(said.isdisjoint((text, definition.rest(text))) for text in definition.texts)
+            for definition in definitions
+        ]
+        own = zip(definitions, told, strict=True)
+        has_class = any(is_told and one.kind == "classes" and not one.is_vain for one, is_told in own)
+        for definition, is_told in zip(definitions, told, strict=True):
+            is_described = is_told or (has_class and definition.kind == "modules")
+            if is_described and definition.is_vain:
+                continue
+            if is_described or not definition.says_itself:
+                counts[definition.kind][0] += is_described
+                counts[definition.kind][1] += 1
     return counts
 
 
@@ -248,13 +262,14 @@ def _docstring(node: ast.Module | ast.ClassDef | Function) -> str:
 def _comments(text: str) -> dict[int, tokenize.TokenInfo]:
     """Return the comments that were written for readers, by line.
 
-    Licences, settings of tools, to-do notes, paths and commented-out code are not.
+    Licences, a tutorial's, settings of tools, to-do notes, single words, names of files and commented-out code are not.
     """
     return {
         token.start[0]: token
         for block in _blocks(found for found in _tokens(text) if found.type == tokenize.COMMENT)
         if not _is_code(textwrap.dedent("\n".join(token.string[1:] for token in block)))
-        and not any(_OF_LICENCE.search(token.string) for token in block)
+        and not any(_OF_OTHERS.search(token.string) for token in block)
+        and len({*words_in(_FILE_NAME.sub("", " ".join(token.string for token in block)))}) >= FEWEST_WORDS
         for token in block
         if _is_prose(token.string)
     }
@@ -281,11 +296,11 @@ def _tokens(text: str) -> Iterator[tokenize.TokenInfo]:
 
 
 def _blocks(tokens: Iterable[tokenize.TokenInfo]) -> list[list[tokenize.TokenInfo]]:
-    """Group comments on consecutive lines that start in the same column."""
+    """Group comments on consecutive lines that start in the same column; one behind code stands alone."""
     blocks: list[list[tokenize.TokenInfo]] = []
     for token in tokens:
         is_next = blocks and (blocks[-1][-1].start[0] + 1, blocks[-1][-1].start[1]) == token.start
-        if is_next:
+        if is_next and token.line.lstrip().startswith("#"):
             blocks[-1].append(token)
         else:
             blocks.append([token])
