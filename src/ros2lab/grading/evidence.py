@@ -151,6 +151,8 @@ class Files:
 
 
 NO_ENTRY_POINT = "No entry point leads to it."  # a fault of an executable
+UNBUILT = "The package was not built."
+ELSEWHERE, NOWHERE = "It was installed in ", "It was not installed in "  # how others begin
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import contextlib
 import json
+import re
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.grading.building.colcon_build import READ_TIME, Outcome
-from ros2lab.grading.evidence import KEYBOARD, NO_ENTRY_POINT, Executable
+from ros2lab.grading.evidence import ELSEWHERE, KEYBOARD, NO_ENTRY_POINT, NOWHERE, UNBUILT, Executable
+from ros2lab.grading.reading.absent import MARKERS
 from ros2lab.grading.reading.build_plan import Plan, Point, free_name, one_line
 from ros2lab.grading.reading.modules import Module
 from ros2lab.grading.sandbox.worlds import FILES, World
@@ -102,7 +104,7 @@ def programs_of(world: World, plan: Plan, outcome: Outcome, overlay: Mapping[str
     imports = _try_imports(world, tried, overlay)
     faults = {point: _fault(plan, outcome, point, imports) for point in points}
     programs = [
-        _otherwise(plan, point, fault) if fault else _installed(plan, point)
+        _otherwise(plan, point, fault) if fault else _installed(plan, point, _path(plan, outcome, point.name))
         for point, fault in faults.items()
     ]
     programs += _plain_scripts(plan, outcome, {point.name for point in points})
@@ -197,30 +199,41 @@ def _try_imports(world: World, targets: Sequence[str], overlay: Mapping[str, str
 def _fault(plan: Plan, outcome: Outcome, point: Point, imports: Mapping[str, str]) -> str:
     """Return why `ros2 run` cannot start an executable; empty if it can."""
     if not outcome.is_built:
-        return "The package was not built."
-    if outcome.files.get(f"{plan.name}/lib/{plan.name}/{point.name}"):
+        return UNBUILT
+    if _path(plan, outcome, point.name):
         return imports.get(point.target, "")
-    if f"{plan.name}/bin/{point.name}" in outcome.files:
-        return "It was installed in bin, where `ros2 run` does not look."
-    return f"It was not installed in lib/{plan.name}, where `ros2 run` looks."
+    beside = re.compile(rf"({re.escape(plan.name)}/(bin|lib/[^/]+)/){re.escape(point.name)}")
+    for found in filter(None, map(beside.fullmatch, outcome.files)):
+        if found[1] not in _looked_in(plan, outcome):
+            return f"{ELSEWHERE}{found[2]}, where `ros2 run` does not look."
+    return f"{NOWHERE}lib/{plan.name}, where `ros2 run` looks."
 
 
-def _installed(plan: Plan, point: Point, fault: str = "") -> Executable:
-    path = f"{plan.install}/{plan.name}/lib/{plan.name}/{point.name}"
-    return Executable(point.name, point.target, "installed", [path] if not fault else [], fault)
+def _looked_in(plan: Plan, outcome: Outcome) -> list[str]:
+    """Return the folders in which `ros2 run` looks: one for each name that the index of packages has."""
+    index = f"{plan.name}/{MARKERS}/"
+    names = [path.removeprefix(index) for path in outcome.files if path.startswith(index)]
+    return [f"{plan.name}/lib/{name}/" for name in dict.fromkeys((plan.name, *names))]
+
+
+def _installed(plan: Plan, point: Point, path: str) -> Executable:
+    return Executable(point.name, point.target, "installed", [f"{plan.install}/{path}"])
+
+
+def _path(plan: Plan, outcome: Outcome, name: str) -> str:
+    """Return the path of an executable where `ros2 run` finds it; empty if it is not there."""
+    paths = (f"{folder}{name}" for folder in _looked_in(plan, outcome))
+    return next(filter(outcome.files.get, paths), "")
 
 
 def _otherwise(plan: Plan, point: Point, fault: str) -> Executable:
     """Return another way to start what an executable should start."""
     module = next((module for module in plan.modules if module.name == point.module), None)
-    if module is None:
-        return _installed(plan, point, fault)
-    function = point.function.partition(".")[0]
-    if function not in module.defined:
-        if not module.functions:
-            return _installed(plan, point, fault)
-        return replace(_alone(plan, module, module.functions[0]), name=point.name, fault=fault)
-    return replace(_alone(plan, module, point.function), name=point.name, fault=fault)
+    is_there = module is not None and point.function.partition(".")[0] in module.defined
+    if module is None or not (is_there or module.functions):
+        return Executable(point.name, point.target, "installed", [], fault)
+    function = point.function if is_there else module.functions[0]
+    return replace(_alone(plan, module, function), name=point.name, fault=fault)
 
 
 def _alone(plan: Plan, module: Module, function: str) -> Executable:
@@ -249,20 +262,17 @@ def loose_script(file: str) -> Executable:
 
 def _plain_scripts(plan: Plan, outcome: Outcome, known: Iterable[str]) -> list[Executable]:
     """Return the files in lib/<package> that are no entry points."""
-    folder = f"{plan.name}/lib/{plan.name}/"
-    names = {
-        path.removeprefix(folder): is_on for path, is_on in outcome.files.items() if path.startswith(folder)
-    }
-    found = []
-    for name, is_executable in names.items():
-        if name in {*known} or "/" in name:
+    folders, found = _looked_in(plan, outcome), list[Executable]()
+    for file, is_executable in outcome.files.items():
+        folder, _, name = file.rpartition("/")
+        if name in {*known} or f"{folder}/" not in folders:
             continue
-        path = f"{plan.install}/{folder}{name}"
+        path = f"{plan.install}/{file}"
         if is_executable and outcome.is_built:
-            command = [sys.executable, path] if f"{folder}{name}" in outcome.unbound else [path]
+            command = [sys.executable, path] if file in outcome.unbound else [path]
             found.append(Executable(name, "", "installed", command))
         elif name.endswith(".py"):
-            fault = "It is not executable." if outcome.is_built else "The package was not built."
+            fault = "It is not executable." if outcome.is_built else UNBUILT
             found.append(Executable(name.removesuffix(".py"), "", "script", [sys.executable, path], fault))
     return found
 

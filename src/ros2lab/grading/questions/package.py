@@ -15,7 +15,7 @@ from ros2lab.diagnose.code.imports import ROS_1
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.spelling import is_near_miss
-from ros2lab.grading.evidence import NO_WORD, Build, Executable, Run
+from ros2lab.grading.evidence import ELSEWHERE, NO_WORD, NOWHERE, UNBUILT, Build, Executable, Run
 from ros2lab.grading.judging.player import lacked
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
@@ -131,16 +131,16 @@ def setup_installs_the_package(case: Case) -> Answer:
     return Answer(level, seen, ("files.setup", "build.error"), "setup.py")
 
 
-@question("right partly misplaced missing", "fault", _MARKER_CODES)
+@question("right partly misplaced missing", "fault what", _MARKER_CODES)
 def package_is_registered(case: Case) -> Answer:
     """Whether the marker, package.xml and the executables are installed where ROS looks for them."""
-    facts = case.evidence.files.setup
+    facts, name = _as_installed(case), shown(case.package)
     faults = {
         "marker_exists": "the marker below resource is missing",
-        "marker_is_installed": "setup.py does not install the marker",
-        "manifest_is_installed": "setup.py does not install package.xml",
+        "marker_is_installed": f"setup.py installs no marker for {name}",
+        "manifest_is_installed": f"setup.py does not install package.xml in share/{name}",
         "cfg_has_no_dashes": "setup.cfg writes a key with a dash, which setuptools takes with a warning or not at all",
-        "scripts_go_to_lib": "nothing sends the executables to lib/<package>, as setup.cfg is to",
+        "scripts_go_to_lib": f"nothing sends the executables to lib/{name}, as setup.cfg is to",
     }
     wrong = [fact for fact in faults if not facts.get(fact)]
     if not facts.get("is_there"):
@@ -152,7 +152,30 @@ def package_is_registered(case: Case) -> Answer:
     place = "setup.cfg" if wrong and wrong[-1] in ("cfg_has_no_dashes", "scripts_go_to_lib") else "setup.py"
     told = wrong if level == "partly" else wrong[-1:]
     fault = ", and ".join(faults[fact] for fact in told)
-    return Answer(level, {"fault": fault}, ("files.setup",), place)
+    points = [one for one in case.executables.values() if one.has_entry_point]
+    is_there = any(not one.fault.startswith((ELSEWHERE, NOWHERE, UNBUILT)) for one in points)
+    what = "Marker, package.xml and executables" if is_there else "Marker and package.xml"
+    return Answer(level, {"fault": fault, "what": what}, ("files.setup",), place)
+
+
+def _as_installed(case: Case) -> dict[str, bool]:
+    """Return the facts of setup.py; where the package was built, its marker, package.xml and executables as installed.
+
+    colcon warns if it had to install one of the first two by itself.
+    """
+    facts, build = dict(case.evidence.files.setup), case.evidence.build
+    if not facts.get("is_there") or build is None or not build.is_built:
+        return facts
+    said = [line for line in build.warnings if "doesn't explicitly install" in line]
+    facts |= {"marker_is_installed": not any("marker" in line for line in said)}
+    facts |= {"marker_exists": facts["marker_is_installed"] or facts.get("marker_exists", False)}
+    facts |= {"manifest_is_installed": not any("package.xml" in line for line in said)}
+    points = [one for one in build.executables if one.has_entry_point and not one.package]
+    if any(one.fault.startswith(ELSEWHERE) for one in points):
+        facts["scripts_go_to_lib"] = False
+    elif any(map(case.is_installed_program, (one.name for one in points))):
+        facts["scripts_go_to_lib"] = True
+    return facts
 
 
 @question(
@@ -162,7 +185,7 @@ def package_is_registered(case: Case) -> Answer:
 )
 def nodes_are_installed(case: Case) -> Answer:
     """Whether `ros2 run` or `ros2 launch` starts every node that exists; missing nodes count elsewhere."""
-    facts, build = case.evidence.files.setup, case.evidence.build
+    facts, build = _as_installed(case), case.evidence.build
     seen, keys = (
         dict.fromkeys(("lost", "fault", "broken", "unreachable"), ""),
         ("build.executables", "files.setup"),
@@ -170,7 +193,12 @@ def nodes_are_installed(case: Case) -> Answer:
     if build is None or not facts.get("is_there") or not build.executables:
         return Answer("none", seen, keys, "setup.py")
     lost, faults = _lost(case)
+    count = len(lost)
     broken = [name for name, one in case.executables.items() if one.way == "installed" and one.fault]
+    if lost:
+        points = [one for one in case.executables.values() if one.has_entry_point and not one.package]
+        lost = [*dict.fromkeys((*lost, *(one.name for one in points if one.fault)))]
+        count = count if any(map(case.is_installed_program, case.executables)) else len(lost)
     seen |= {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
     seen["broken"] = f"; but these cannot be imported: {listed(broken)}" if broken else ""
     is_right = _has_right_points(case, is_whole=not lost and build.is_built)
@@ -183,7 +211,7 @@ def nodes_are_installed(case: Case) -> Answer:
         return Answer("unreachable", seen | {"unreachable": why}, keys, "setup.py", excuse=wanting(case))
     if not lost and (idle := _idle(case)):
         return Answer("idle", {**seen, "lost": listed(idle)}, ("build.executables", "runs"), "setup.py")
-    return Answer(("all", "one_lost", "two_lost")[min(len(lost), 2)], seen, keys, "setup.py")
+    return Answer(("all", "one_lost", "two_lost")[min(count, 2)], seen, keys, "setup.py")
 
 
 def _unreachable(build: Build, facts: Mapping[str, bool], points: Sequence[Executable]) -> str:
