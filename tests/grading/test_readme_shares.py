@@ -76,3 +76,26 @@ def test_what_fails_for_want_of_a_package_xml_is_charged_there(command: str) -> 
     grade = verdict(evidences.both(*changes)(evidences.right()), load())
     one = next(one for one in grade.criteria if one.id == "documentation.commands")
     assert one.points == one.max, one.reason
+
+
+@pytest.mark.parametrize(
+    ("true", "false", "points"),
+    [
+        ((BUILD,), tuple(run.replace("_publisher", "") for run in RUNS), 2),
+        ((BUILD,), tuple(f"{run}.py" for run in ("ros2 run robot_controller pub", "ros2 run robot_controller sub")), 2),
+        ((), ("ros2 launch robot_controller all.launch.py", "ros2 topic echo /x"), 2),
+        (("colcon build --packages-select robot_controller",), ("ros2 topic echo /x", "ros2 topic echo /y"), 2),
+        ((BUILD,), ("ros2 run robot-controller status", "ros2 topic echo /x"), 2),
+        ((BUILD,), ("ros2 topic echo /x", "ros2 topic echo /y"), 0),
+        ((BUILD,), tuple(run.replace("robot_controller", "py_pubsub").replace("_publisher", "") for run in RUNS[::2]), 0),
+    ],
+    ids=["other programs", "modules", "a launch file", "built by name", "dashes", "topics alone", "another package"],
+)  # fmt: skip
+def test_a_command_that_names_the_package_is_about_it(
+    true: tuple[str, ...], false: tuple[str, ...], points: float
+) -> None:
+    """Whatever programs it names: that costs the commands."""
+    beside = [text for text in false if "py_pubsub" in text]
+    commands = {**dict.fromkeys(true, True), **dict.fromkeys(false, False), **dict.fromkeys(beside)}
+    grade = verdict(evidences.files(readme_commands=commands)(evidences.right()), load())
+    assert next(one for one in grade.criteria if one.id == "documentation.readme").points == points

@@ -17,7 +17,7 @@ _HEADLINE = re.compile(r"^#.*$|^.*\n[=-]{3,}$", re.MULTILINE)
 SHORTEST = 150  # characters of a README that says more than a headline
 MOST, SOME = 0.6, 0.3  # of the classes and functions
 LEAST_TEXTS, LEAST_ABOUT = 10, 0.25  # docstrings and comments, and how many of them are about the code
-_NOTHING = "a topic or a node that was seen"
+_NOTHING = "a topic or a node that was seen to do what was asked for"
 
 # A container or a script of the student's may do both; we do not try what it does.
 _BY_OTHERS = r"(?:docker|podman)(?:[ -]compose)? +(?:build|run|up|exec)\b|^\W*(?:bash +)?\./?\S+\.sh\b"
@@ -257,14 +257,14 @@ def _is_any_named(names: Collection[str], text: str) -> bool:
 
 @question("most some few foreign nothing none", "described all")
 def code_is_described(case: Case) -> Answer:
-    """Whether classes and functions, or a module without any, have a docstring or a comment.
+    """Whether modules, classes and functions have a docstring or a comment; modules without classes need none.
 
     Where of many hardly one has a word in common with the code or the README, they are about something else.
     """
     sources = case.evidence.files.sources
-    pairs = [sources.get(kind, [0, 0]) for kind in ("classes", "functions")]
-    modules = sources.get("modules", [0, 0])
-    pairs.append(modules if not any(pair[1] for pair in pairs) else [modules[0], modules[0]])
+    modules, classes, functions = (sources.get(kind, [0, 0]) for kind in ("modules", "classes", "functions"))
+    is_free = functions[1] and not classes[1]
+    pairs = [[modules[0]] * 2 if is_free else modules, classes, functions]
     described, count = sum(pair[0] for pair in pairs), sum(pair[1] for pair in pairs)
     if described and not _has_code(case):
         return Answer("nothing", {"described": "", "all": ""}, ("build.executables",))
@@ -301,10 +301,13 @@ def _is_named(name: str, text: str) -> bool:
 
 
 def _is_another(case: Case) -> bool:
-    """Return whether the README has several commands, and none of them is nearly true of this package."""
+    """Return whether the README has several commands, and none of them names this package or is nearly true of it."""
+    owners, commands = _owners(case), case.evidence.files.readme_commands
+    if any(owners.of(words) == "own" or owners.own & {*words} for words in map(str.split, commands)):
+        return False
     judged = {
-        text: bool(is_true) or _is_excused(case, text) or _owners(case).names_program(text.split())
-        for text, is_true in case.evidence.files.readme_commands.items()
+        text: bool(is_true) or _is_excused(case, text) or owners.names_program(text.split())
+        for text, is_true in commands.items()
         if not text.startswith("colcon") and not is_of_ros_1(text)
         if is_true is not None or _is_foreign(case, text)
     }
