@@ -343,13 +343,39 @@ def test_what_is_not_installed_here_is_no_fault(make: Callable[..., Built]) -> N
 
 
 @pytest.mark.thorough
-def test_executables_in_bin_are_not_where_ros_looks(make: Callable[..., Built]) -> None:
+@pytest.mark.parametrize(
+    ("file", "old", "new", "fault"),
+    [
+        ("setup.cfg", SETUP_CFG, "", "It was installed in bin, where `ros2 run` does not look."),
+        (
+            "setup.cfg",
+            "lib/robot_controller",
+            "lib/first_robot",
+            "It was installed in lib/first_robot, where `ros2 run` does not look.",
+        ),
+        ("package.xml", "<name>robot_controller", "<name>robot_driver", ""),  # found as robot_controller
+    ],
+    ids=["no setup.cfg", "that of another package", "another name in package.xml"],
+)
+def test_executables_are_where_ros_looks_if_they_lie_beside_a_marker(
+    make: Callable[..., Built], file: str, old: str, new: str, fault: str
+) -> None:
     texts = right_package() | {"robot_controller/status_publisher.py": TALKER}
-    del texts["setup.cfg"]
+    texts[file] = texts[file].replace(old, new)
     made = make(texts)
     assert made.build.is_built
-    assert set(made.faults.values()) == {"It was installed in bin, where `ros2 run` does not look."}
-    assert made.run("status_publisher").output == "started\n"
+    assert set(made.faults.values()) == {fault}
+    assert made.run("status_publisher", "x").output == "started x\n"
+    warned = [line for line in made.build.warnings if "doesn't explicitly install" in line]
+    assert len(warned) == (2 if file == "package.xml" else 0)
+
+
+@pytest.mark.thorough
+def test_packages_that_only_cmake_builds_are_noted(make: Callable[..., Built]) -> None:
+    texts = {f"src/robot_controller/{name}": text for name, text in right_package().items()}
+    other = MANIFEST.replace("robot_controller", "robot_arm").replace("ament_python", "ament_cmake")
+    notes = make(texts | {"src/robot_arm/package.xml": other}).build.notes
+    assert notes == ["Not built, for they need CMake, and nothing of what is graded needs them: robot_arm."]
 
 
 @pytest.mark.parametrize(

@@ -10,14 +10,16 @@ from typing import Any
 
 import evidences
 import pytest
-from evidences import COMMAND, SCRIPT, STATUS, STRING, TWIST, VELOCITY
+from evidences import COMMAND, NODES, SCRIPT, STATUS, STRING, TWIST, VELOCITY
 
 from ros2lab.grading.building import programs
-from ros2lab.grading.evidence import CommandSeen, Evidence, Run, WrittenEnd
+from ros2lab.grading.evidence import ELSEWHERE, CommandSeen, Evidence, Run, WrittenEnd
 from ros2lab.grading.grade import Judgement
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 from ros2lab.grading.watching import OWN_CLOCK
+
+ELSEWHERE_THAN = f"{ELSEWHERE}lib/first_robot, where `ros2 run` does not look."
 
 
 def judged(evidence: Evidence, criterion: str) -> Judgement:
@@ -397,3 +399,98 @@ def test_nobody_publishes_the_clock_unless_the_work_does(is_own: bool) -> None:
     runs[-1] = replace(runs[-1], notes=[OWN_CLOCK] if is_own else [])
     notes = verdict(replace(evidence, runs=runs), load()).notes
     assert any("nobody publishes /clock" in note for note in notes) != is_own
+
+
+@pytest.mark.parametrize(
+    ("change", "points", "said"),
+    [
+        (lambda evidence: evidence, 2, "Marker, package.xml and executables go where ROS looks for them."),
+        (
+            evidences.facts("setup", "marker_is_installed", "manifest_is_installed", "marker_exists"),
+            2,
+            "Marker, package.xml and executables go where ROS looks for them.",
+        ),
+        (
+            evidences.both(evidences.facts("setup", "has_entry_points"), evidences.misplaced(*NODES)),
+            2,
+            "Marker and package.xml go where ROS looks for them.",
+        ),
+        (
+            evidences.unbuilt("SyntaxError: invalid syntax"),
+            2,
+            "Marker and package.xml go where ROS looks for them.",
+        ),
+        (
+            evidences.by_colcon("a marker in the package index"),
+            1,
+            "In the package setup.py installs no marker for robot_controller.",
+        ),
+        (
+            evidences.misplaced(*NODES, fault=ELSEWHERE_THAN),
+            0,
+            "In the package nothing sends the executables to lib/robot_controller, as setup.cfg is to, so `ros2 run` does not find them.",
+        ),
+    ],
+    ids=[
+        "right",
+        "right, though not as usual",
+        "no entry points",
+        "not built",
+        "by colcon",
+        "that of another package",
+    ],
+)
+def test_where_things_go_is_told_of_what_was_installed(
+    change: evidences.Change, points: float, said: str
+) -> None:
+    one = judged(given(change), "package.registration")
+    assert (one.points, one.reason) == (points, said)
+
+
+@pytest.mark.parametrize(
+    ("lost", "broken", "points", "named"),
+    [
+        ([STATUS], [], 1, "status_publisher"),
+        ([STATUS], ["talker"], 1, "status_publisher and talker"),
+        ([STATUS, COMMAND, VELOCITY], [], 0, "status_publisher, command_subscriber and velocity_publisher"),
+    ],
+)
+def test_all_programs_are_named_that_do_not_start(
+    lost: list[str], broken: list[str], points: float, named: str
+) -> None:
+    """Also those of which no node is missed, which cost nothing."""
+    fault = "Its module cannot be imported: SyntaxError: invalid syntax."
+
+    def change(evidence: Evidence) -> Evidence:
+        assert evidence.build
+        others = [replace(evidences.executable(name), fault=fault, command=[]) for name in broken]
+        build = replace(evidence.build, executables=[*evidence.build.executables, *others])
+        return replace(evidence, build=build)
+
+    one = judged(given(evidences.misplaced(*lost, fault=fault), change), "package.executables")
+    assert (one.points, one.reason.partition(": ")[0]) == (points, f"`ros2 run` does not start {named}")
+
+
+def test_what_was_typed_is_told() -> None:
+    run = replace(evidences.velocity_run(), typed=["1", "y"])
+    one = judged(given(evidences.runs(run)), f"{VELOCITY}.repetition")
+    assert one.reason == "Messages come on /cmd_vel again and again, while '1' and 'y' were typed."
+
+
+@pytest.mark.parametrize(
+    ("file", "part"), [("velocity.py", VELOCITY), ("status_node.py", STATUS), ("robot.py", STATUS)]
+)
+def test_a_node_of_ros_1_is_written_and_told_where_it_is_named(file: str, part: str) -> None:
+    """A file that is named for no part is told once, at one that has lost."""
+    names = (STATUS, COMMAND, VELOCITY)
+    rospy = ["ros1-import", "rospy belongs to ROS 1.", f"robot_controller/{file}:1", "import rclpy"]
+
+    def change(evidence: Evidence) -> Evidence:
+        assert evidence.build
+        return replace(evidence, build=replace(evidence.build, executables=[]), runs=[])
+
+    found = verdict(given(evidences.files(findings=[rospy], ends=[]), change), load())
+    assert [one.component for one in found.faults if one.code == "ros1-import"] == [part]
+    hints = {one.component: one.hint for one in found.criteria if one.id.endswith(".topic")}
+    first = {name for name in names if hints[name] == "Fix first why the node was not seen."}
+    assert first == ({part} if file != "robot.py" else set())

@@ -33,12 +33,23 @@ def is_about(case: Case, finding: Finding, criterion: Judgement, lost: Collectio
     if _goes_on(case, finding):
         return False
     # Nothing says whose it is: take the node that lost most, and only for faults that can end a program.
-    candidates = _with_type(case, finding, parts) or [*parts]
+    candidates = (
+        _with_type(case, finding, parts)
+        or [name for name in parts if explains(case, finding, name)]
+        or [*parts]
+    )
     losses = {
         name: sum(judgement.max - judgement.points for judgement in lost if judgement.component == name)
         for name in candidates
     }
     return finding.code in NODE_CODES and criterion.component == max(losses, key=lambda name: losses[name])
+
+
+def explains(case: Case, finding: Finding, name: str) -> bool:
+    """Return whether a finding, in a module that is named for a part, tells why that part's node does not run."""
+    part = case.assignment.meant_by(_stem(finding))
+    is_its = part is not None and part.name == name
+    return is_its and finding.code in NODE_CODES and not _goes_on(case, finding)
 
 
 def owners_of(case: Case, finding: Finding) -> list[str]:

@@ -13,7 +13,8 @@ from dataclasses import replace
 from ros2lab.grading.building.colcon_build import Outcome, overlay_of, run_colcon
 from ros2lab.grading.building.programs import MOST_PROGRAMS, loose_script, of_modules, programs_of
 from ros2lab.grading.evidence import Build, Executable
-from ros2lab.grading.reading.build_plan import Plan, one_line
+from ros2lab.grading.reading.build_plan import Plan, needs_cmake, one_line
+from ros2lab.grading.receiving.notes import first_of
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.grading.sandbox.worlds import World, underlay
 
@@ -57,7 +58,7 @@ def build(world: World, submission: Submission, plan: Plan | None) -> Build:
         outcome.is_built,
         outcome.error,
         outcome.warnings,
-        [*plan.settings, *_notes(plan, outcome)],
+        [*plan.settings, *_notes(submission, plan, outcome)],
         programs[:MOST_PROGRAMS],
         sorted(path for path in shared if not _OF_COLCON.match(path)),
         overlay,
@@ -82,8 +83,12 @@ def _unbuilt(
     return Build(False, error, [], [*_stood_in(plan)], programs, [], environ, 0.0)
 
 
-def _notes(plan: Plan, outcome: Outcome) -> Iterator[str]:
+def _notes(submission: Submission, plan: Plan, outcome: Outcome) -> Iterator[str]:
     """Yield what was built or started differently than in a complete workspace with all its dependencies."""
+    known = (*plan.names, *plan.needing_cmake)
+    left = [str(one.name) for one in submission.packages if needs_cmake(one) and one.name not in known]
+    if left:
+        yield f"Not built, for they need CMake, and nothing of what is graded needs them: {one_line(first_of(left))}."
     if needing := plan.not_installed(outcome.files):
         yield f"Not built, for it needs CMake, but its files are found: {', '.join(needing)}."
     programs = [f"{name} of {package}" for package, found in plan.absent.items() for name in found]

@@ -135,13 +135,15 @@ class Question:
 
 
 def _outside(case: Case, part: Part) -> str:
-    """Return where a part's node was seen, if not in the lab with all that it imports, as the end of a clause."""
+    """Return where a part's node was seen, if not by itself in the lab with all that it imports, as the end of a clause."""
     player = case.main(part)
     program = case.executables.get(player.program) if player else None
     if player and player.run.refused:
         return " outside the lab, which refuses its numbers"
     absent = [name for name in program.absent if name != KEYBOARD] if program else []
-    return f", with an empty stand-in for {listed(absent)}" if absent else ""
+    stood_in = f", with an empty stand-in for {listed(absent)}" if absent else ""
+    typed = [repr(line) for line in player.run.typed] if player else []
+    return f"{stood_in}, while {listed(typed)} were typed" if typed else stood_in
 
 
 def asked(part: Part) -> dict[str, str]:

@@ -171,7 +171,7 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
     taken = _with_needed(root, package, [*also, *beside], others)
     # What cannot be built here would keep colcon from building what depends on it.
     has_cmake = is_installed("ament_cmake", prefixes)
-    built = [other for other in taken if has_cmake or not _needs_cmake(other)]
+    built = [other for other in taken if has_cmake or not needs_cmake(other)]
     shared = {str(other.name): Package(root / other.folder, root) for other in also}
     modules = [
         replace(module, package=name) for name, holder in shared.items() for module in modules_of(holder)
@@ -283,7 +283,7 @@ def _tops_of(root: Path, other: FoundPackage) -> set[str]:
 
 def _shares(root: Path, packages: Iterable[FoundPackage]) -> Iterator[tuple[str, str]]:
     for package in packages:
-        if not _needs_cmake(package) or not re.fullmatch(r"[a-z]\w*", package.name or ""):
+        if not needs_cmake(package) or not re.fullmatch(r"[a-z]\w*", package.name or ""):
             continue
         script = re.sub(r"#.*", "", read_text(root / package.folder / "CMakeLists.txt"))
         for path in sorted((root / package.folder).iterdir()):
@@ -298,7 +298,8 @@ def _shared_sources(root: Path, plan: Plan) -> Iterator[str]:
                 yield str(PurePosixPath(PurePosixPath(place).name, path.relative_to(root / folder)))
 
 
-def _needs_cmake(found: FoundPackage) -> bool:
+def needs_cmake(found: FoundPackage) -> bool:
+    """Return whether a package is built by CMake, by its type."""
     return (found.build_type or "").startswith(("ament_cmake", "cmake"))
 
 
