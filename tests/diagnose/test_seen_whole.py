@@ -128,6 +128,7 @@ WRONG = {
     "a timer at one of its words": ("timer-in-callback", SUB, STARTED.replace("    self", "    if msg.data == 'go':\n        self", 1) + ENDED, SPINS, "; and `self.timer = None` in __init__"),
     "a subscription at each start": ("made-again", SUB, "def heard(self, msg):\n    self.sub = self.create_subscription(String, msg.data, print, 1)\n\ndef end(self):\n    self.destroy_subscription(self.sub)", SPINS, "destroy_subscription(self.sub)"),
     "a client each time": ("made-again", SUB, "def heard(self, msg):\n    self.client = self.create_client(String, 'ask')\n    self.client.call_async(msg)", SPINS, "__init__"),
+    "a publisher of each name": ("made-again", SUB, "def heard(self, msg):\n    topic = f'/{msg.data}/echo'\n    late = self.create_publisher(String, topic, 10)\n    late.publish(msg)", SPINS, "in a dictionary of self under `topic`"),
     "a counter that begins anew": ("begun-anew", PUB + TIMER + "self.count = 0", "def tick(self):\n    self.count = 0\n    self.count += 1\n    self.pub.publish(String(data=str(self.count)))", SPINS, "remove"),
     "a text of what changes": ("computed-once", PUB + TIMER + "self.count = 0\nself.text = f'at {self.count}'", "def tick(self):\n    self.count += 1\n    self.pub.publish(String(data=self.text))", SPINS, "first line of tick()"),
     "a second shutdown": ("shutdown-in-callback", SUB, "def heard(self, msg):\n    self.get_logger().info(msg.data)\n    rclpy.shutdown()", "rclpy.init()\nrclpy.spin(Lamp())\nrclpy.shutdown()", "rclpy.try_shutdown()"),

@@ -32,6 +32,8 @@ from ros2lab.diagnose.sources.python_source import (
     given_to,
     is_generator,
     last_name,
+    names_bound,
+    names_read,
     own_nodes,
     parameters,
     walk,
@@ -295,6 +297,8 @@ def _made_again(sources: NodeSources, source: PythonSource, functions: list[Func
                 if "publisher" in does and _is_used_at_once(sources, source, function, node):
                     does += ", to which no subscriber is connected yet when it is used"
                 cause = f"{first.name}() is called repeatedly and {does}."
+                if how != "create_timer" and (key := _from_outside(function, node)):
+                    fix = f"keep each in a dictionary of self under `{key}`, and call {how}(...) only where the dictionary has none for it yet"
                 if ends:
                     name, end = source.name_of(node), f"self.{how.replace('create', 'destroy')}"
                     cause += f" `{ast.unparse(ends[0])}` on line {ends[0].lineno} ends only the last one."
@@ -302,6 +306,17 @@ def _made_again(sources: NodeSources, source: PythonSource, functions: list[Func
                     if len(assigned_to(source.nodes, name)) < 2:
                         fix += f"; and `{name} = None` in __init__"
                 yield Finding(code, cause, source.at(node), fix)
+
+
+def _from_outside(function: Function, made: ast.Call) -> str:
+    """Return the argument of a call that depends on what the function is given; empty if none does."""
+    given = {parameter.arg for parameter in parameters(function)[1:]}
+    for target, value in assignments(own_nodes(function)):
+        if not given.isdisjoint(names_read(walk(value))):
+            given |= names_bound(walk(target))
+    return next(
+        (ast.unparse(arg) for arg in given_to(made) if not given.isdisjoint(names_read(walk(arg)))), ""
+    )
 
 
 def _ends_of_last(
