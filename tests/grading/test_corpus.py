@@ -114,8 +114,11 @@ def _of_files(path: Path, root: Path) -> Grade:
     facts = look(root, submission)
     assert right.build is not None
     commands = readme.commands(facts.readme, submission, right.build, right.runs)
-    facts = replace(facts, readme_commands=commands)
-    return verdict(replace(right, files=facts, submission=submission), load())
+    evidence = replace(right, files=replace(facts, readme_commands=commands), submission=submission)
+    if not (facts.setup.get("scripts_go_to_lib") and facts.setup.get("marker_exists")):
+        # What such a package installs is not what a right one does: its files alone tell.
+        evidence = replace(evidence, build=replace(right.build, is_built=False))
+    return verdict(evidence, load())
 
 
 @pytest.mark.long

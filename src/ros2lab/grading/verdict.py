@@ -14,7 +14,7 @@ from ros2lab.grading.judging.leftovers import case_of
 from ros2lab.grading.judging.player import Player, deadly_in, is_for_want
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.overrides import Decision
-from ros2lab.grading.owners import is_about, owners_of
+from ros2lab.grading.owners import explains, is_about, owners_of
 from ros2lab.grading.questions import QUESTIONS, Answer
 from ros2lab.grading.questions.answer import ended, is_shut_down, last_word, listed, shown
 from ros2lab.grading.questions.nodes import OF_TYPE, missing
@@ -95,9 +95,11 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
 
 
 def _gone(case: Case) -> Iterator[str]:
-    """Yield the parts without a node of which a program is known that would have it."""
+    """Yield the parts without a node of which a program is known that would have it, or a fault in one."""
     for name, part in case.assignment.parts.items():
-        if not case.players[name] and not case.is_foreign(part) and missing(case, part).place:
+        told = (finding for finding in case.evidence.files.told() if explains(case, finding, name))
+        is_unseen = not case.players[name] and not case.is_foreign(part)
+        if is_unseen and (missing(case, part).place or any(told)):
             yield name
 
 

@@ -40,7 +40,7 @@ from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, without
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
 from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.explaining.ros_variables import of_ros_variable
-from ros2lab.diagnose.explaining.said import launch_line, lines_of, of_launch, said_by_tools
+from ros2lab.diagnose.explaining.said import is_bare, launch_line, lines_of, of_launch, said_by_tools
 from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.explaining.shown_values import shown_values
 from ros2lab.diagnose.explaining.started_files import of_started_file
@@ -123,9 +123,7 @@ def _explained(error: ErrorText, known: list[Finding], look: Look) -> list[Findi
     """Return the findings for an error, after the known ones if they name neither place nor fix."""
     checked = _checked(error, known, look) if look else []
     found = _with_command(_of_what_was_said(error, known, checked, look), error, known, look)
-    if error.decisive and all(
-        finding.code in (SAID, UNKNOWN) and not finding.fix and not finding.place for finding in found
-    ):
+    if error.decisive and all(finding.code in (SAID, UNKNOWN) and is_bare(finding) for finding in found):
         return [*known, *found]
     return found
 
@@ -180,8 +178,6 @@ def _said_by_tools(error: ErrorText, known: list[Finding], look: Look, *, is_fro
     if not error.reports and (is_frozen or is_own_log(error.decisive, look)):
         return []
     said = said_by_tools(error, look)
-    if said and not (error.reports or said[0].place or said[0].fix.startswith("write ")):
-        return [*known, *said]  # what is missing in the workspace tells more than that it is missing
     return (seen_there(said[0], error, known, look) if said and look else []) or said
 
 

@@ -53,6 +53,7 @@ _NO_COMMAND = re.compile(
 )
 _SCRIPT = re.compile(r"^(?P<file>\S+\.py): line \d+: ")
 # How ros2, launch and colcon begin an error message.
+_SHOWS_ARGUMENTS = " -h` shows its arguments"
 _SENTENCE = re.compile(
     r"(?:unknown|unable|could not|cannot|can't|failed to|malformed|invalid|the passed|there is no|no such|node not|fatal"
     r"|error|ignoring unknown|not a|no matching)\b",
@@ -134,11 +135,16 @@ def _sentence(line: str, error: ErrorText, look: Look) -> Finding | None:
         word = close or (meant[1] if meant else None)
         form = re.search(r"expected format '(.+?)'", sentence)
         last = re.match(r"(?:[a-z]\w* ?){0,3}", step_with(line, error.steps).command)[0].strip()  # type: ignore[index]
-        fix = f"`{last} -h` shows its arguments" if last else ""
+        fix = f"`{last}{_SHOWS_ARGUMENTS}" if last else ""
         fix = f"write {word}" if word else f"write it as {form[1]}" if form else fix
         if word or not LABELLED.match(line):
             return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
     return None
+
+
+def is_bare(finding: Finding) -> bool:
+    """Return whether a finding tells neither where something is wrong nor what to write."""
+    return not finding.place and (not finding.fix or finding.fix.endswith(_SHOWS_ARGUMENTS))
 
 
 def _no_command(tool: str, name: str) -> Finding:
