@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import itertools
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -348,16 +348,27 @@ def _words(seen: Seen) -> Iterator[Finding]:
     files = dict.fromkeys(end.creation.source for end in ends)
     named = (s.at(n) for s in files for n in s.nodes if text_of(n).strip().lower() == dead[0].lower())
     place = next(named, "")
-    if len(dead) == len(sent):
-        cause = f"After each of the words {', '.join(dead)} on {topic}, the nodes do the same as after {UNKNOWN_WORD!r}, which means nothing."
-        fix = "let the callback change an attribute of self (self.state = ...), compare msg.data with ==, and after lower() compare only with lower-case words"
-    else:
-        like = next((word for word in own if word.lower() == dead[0].lower() and word != dead[0]), "")
-        cause = f"The word {dead[0]!r} on {topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
-        fix = f"compare msg.data.strip().lower() with {dead[0].lower()!r}, in lower case"
-        if not like and dead[0].islower():
-            fix = f"look at what comes before the comparison with {dead[0]!r}, such as a return, and at what it leads to"
+    cause, fix = _all_dead(topic, dead) if len(dead) == len(sent) else _one_dead(topic, dead[0], own)
     yield Finding("word-unanswered", cause, place or seen.place(topic, is_publisher=False), fix)
+
+
+def _all_dead(topic: str, words: Sequence[str]) -> tuple[str, str]:
+    """Return cause and fix for words that all have the same effect as an unknown one."""
+    cause = f"After each of the words {', '.join(words)} on {topic}, the nodes do the same as after {UNKNOWN_WORD!r}, which means nothing."
+    fix = "let the callback change an attribute of self (self.state = ...), compare msg.data with ==, and after lower() compare only with lower-case words"
+    return cause, fix
+
+
+def _one_dead(topic: str, word: str, own: Iterable[str]) -> tuple[str, str]:
+    """Return cause and fix for a word that changes nothing, beside others that do."""
+    like = next((other for other in own if other.lower() == word.lower() and other != word), "")
+    cause = (
+        f"The word {word!r} on {topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
+    )
+    fix = f"compare msg.data.strip().lower() with {word.lower()!r}, in lower case"
+    if not like and word.islower():
+        fix = f"look at what comes before the comparison with {word!r}, such as a return, and at what it leads to"
+    return cause, fix
 
 
 def _sent(runs: Sequence[Run], own: Collection[str]) -> list[str]:

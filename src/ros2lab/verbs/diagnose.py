@@ -73,16 +73,15 @@ def diagnose(
     shown = findings if up_to is None else told(findings, up_to)
     if is_json:
         print(json.dumps([*map(_documented, shown)], indent=2))
-    else:
-        _show(shown, looked_at)
-        if up_to in (None, Step.FIX):
-            _tell_of_the_build(shown, root)
-        if shown and story and up_to is None:
-            print(f"What the nodes did: {story}")
-        elif shown and looked_at and up_to is None and not is_run and workspace != "-":
-            print(f"Nothing else was found. {looked_at}")
-        if shown and up_to and (step := next_step(findings[0], up_to)):
-            print(f"For the {step.value}, add --up-to {step.value}.")
+        raise typer.Exit(FOUND if findings else 0)
+    _show(shown, looked_at)
+    if up_to in (None, Step.FIX):
+        _tell_of_the_build(shown, root)
+    if shown and up_to is None:
+        is_of_files = workspace != "-" and not is_run
+        _tell_the_rest(story, looked_at if is_of_files else "")
+    elif shown and up_to and (step := next_step(findings[0], up_to)):
+        print(f"For the {step.value}, add --up-to {step.value}.")
     raise typer.Exit(FOUND if findings else 0)
 
 
@@ -197,6 +196,16 @@ def _tell_of_the_build(findings: Sequence[Finding], root: Path | None) -> None:
 
     if root is not None and (command := to_build(root.absolute(), findings)):
         print(f"What runs is a copy of the source: after a change, build again: {command}")
+
+
+def _tell_the_rest(story: str, looked_at: str) -> None:
+    """Tell below the findings what the nodes did, and what was looked at without finding more."""
+    from ros2lab.grading.reports.shown import visible  # noqa: PLC0415
+
+    if story:
+        print(f"What the nodes did: {story}")
+    if looked_at:
+        print(visible(f"Nothing else was found. {looked_at}", LONGEST))
 
 
 def _show(findings: Sequence[Finding], looked_at: str) -> None:

@@ -6,6 +6,7 @@ import ast
 import builtins
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 
 from ros2lab.diagnose.causes.filled import published
@@ -85,20 +86,25 @@ def _in_words(
         groups = {**groups, "default": groups["name"] if default is None else default}
     do = meaning.fix.format(**groups) if isinstance(meaning.fix, str) else meaning.fix(**groups)
     if code == "parameter-type" and groups.get("name"):
-        if fix := retyped(groups["name"], groups["value"], groups["wanted"], error.typed):
-            return Finding(code, cause, "", fix)
-        is_declared = groups["wanted"] == "INTEGER" and not groups["value"].lstrip("-").isdigit()
-        place = place if is_declared else given_at(groups["name"], look, error.typed) or place
-        given = spot_at(place, look)
-        do = substituted(groups["name"], groups["value"], groups["wanted"], given) or do
-        unread = (f for f in look.findings if f.code == "launch-unused" and f.place == place)
-        if told := next(unread, None):
-            return told
-    elif code == "publish-text" and groups.get("given") and (sent := published(spot_at(place, look))):
+        return _of_value(Finding(code, cause, place, do), groups, error, look)
+    if code == "publish-text" and groups.get("given") and (sent := published(spot_at(place, look))):
         do = filling(f"{groups['package']}.msg.{groups['wanted']}", sent[0], groups["given"])
     elif "what" in groups and "name" in groups:
         do = _field_fix(spot_at(place, look), groups) or do
     return Finding(code, cause, place, do)
+
+
+def _of_value(said: Finding, groups: Mapping[str, str], error: ErrorText, look: Look) -> Finding:
+    """Return the finding of a parameter of another type where its value was given, with how to write it."""
+    name, value, wanted = (groups[key] for key in ("name", "value", "wanted"))
+    if fix := retyped(name, value, wanted, error.typed):
+        return replace(said, place="", fix=fix)
+    is_declared = wanted == "INTEGER" and not value.lstrip("-").isdigit()
+    place = said.place if is_declared else given_at(name, look, error.typed) or said.place
+    # What is written there may be mere text, and no value at all.
+    unread = (f for f in look.findings if f.code == "launch-unused" and f.place == place)
+    fix = substituted(name, value, wanted, spot_at(place, look)) or said.fix
+    return next(unread, None) or replace(said, place=place, fix=fix)
 
 
 def _of_syntax(report: ErrorReport, look: Look) -> Finding:

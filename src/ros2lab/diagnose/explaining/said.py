@@ -126,7 +126,7 @@ def _sentence(line: str, error: ErrorText, look: Look) -> Finding | None:
     A mere warning is passed on only if it is known what was meant.
     """
     sentence = PREFIX.sub("", line, count=1)
-    if (is_refusal(sentence) or _SENTENCE.match(without_data(sentence))) and not error.reports:
+    if not error.reports and (_SENTENCE.match(without_data(sentence)) or is_refusal(sentence)):
         quoted = re.findall(r"'([^']+)'", sentence)
         meant = re.search(r"(?i:did you mean|possible options:) '?([\w/-]+)", sentence)
         known = set(_names(look)) if meant is None else set()

@@ -69,37 +69,41 @@ def _repairs(words: list[str]) -> _Versions:
     yield from _other_verb(words, parser, depth)
     actions = {name: action for action in parser._actions for name in action.option_strings}
     for number, word in enumerate(words):
-        before, after = words[:number], words[number + 1 :]
-        name, sign, given = word.partition("=")
-        if not word.startswith("-") or word == "--ros-args" or _NUMBER.fullmatch(word):
-            continue
-        action = actions.get(name)
-        if action is None:
-            yield from _unknown_option(words, number, actions)
-        elif action.nargs in ("+", "*"):
-            taken = list(itertools.takewhile(lambda argument: not argument.startswith("-"), after))
-            for value in reversed(taken):
-                rest = [argument for argument in after if argument is not value]
-                why = f"{name} takes all the words after it, including {value!r}."
-                yield [*before, value, name, *rest], why
-        elif action.nargs != 0 and (given or after):
-            value, rest = (given, after) if sign else (after[0], after[1:])
-            for right in _values_for(action, value):
-                kept = [*before, name, right, value, *rest]
-                why = f"{name} takes {_kind(action)}, so it uses up {value!r}, which belongs to what follows."
-                is_other = not sign and (action.choices or not _NUMBER.match(value))
-                yield from [(kept, why)] if is_other else []
-                why = f"{name} must be followed by {_kind(action)}, not {value!r}."
-                yield [*before, name, right, *rest], why
-        elif action.nargs != 0:
-            for right in _values_for(action, ""):
-                yield [*words, right], f"{name} must be followed by {_kind(action)}."
+        if word.startswith("-") and word != "--ros-args" and not _NUMBER.fullmatch(word):
+            yield from _other_option(words, number, actions)
     yield from _in_another_order(words)
     yield from _parted(words, depth)
     for number in range(depth + 1, len(words) - 1):
         if words[number].endswith((":", ",", "{")) or words[number + 1].endswith("}"):
             joined = " ".join(words[number:])
             yield [*words[:number], joined], f"{joined!r} is one value, so it needs quotes."
+
+
+def _other_option(words: list[str], number: int, actions: dict[str, argparse.Action]) -> _Versions:
+    """Yield versions with another option in its place, or other words after it."""
+    before, after = words[:number], words[number + 1 :]
+    name, sign, given = words[number].partition("=")
+    action = actions.get(name)
+    if action is None:
+        yield from _unknown_option(words, number, actions)
+    elif action.nargs in ("+", "*"):
+        taken = list(itertools.takewhile(lambda argument: not argument.startswith("-"), after))
+        for value in reversed(taken):
+            rest = [argument for argument in after if argument is not value]
+            why = f"{name} takes all the words after it, including {value!r}."
+            yield [*before, value, name, *rest], why
+    elif action.nargs != 0 and (given or after):
+        value, rest = (given, after) if sign else (after[0], after[1:])
+        for right in _values_for(action, value):
+            kept = [*before, name, right, value, *rest]
+            why = f"{name} takes {_kind(action)}, so it uses up {value!r}, which belongs to what follows."
+            is_other = not sign and (action.choices or not _NUMBER.match(value))
+            yield from [(kept, why)] if is_other else []
+            why = f"{name} must be followed by {_kind(action)}, not {value!r}."
+            yield [*before, name, right, *rest], why
+    elif action.nargs != 0:
+        for right in _values_for(action, ""):
+            yield [*words, right], f"{name} must be followed by {_kind(action)}."
 
 
 def _parted(words: list[str], depth: int) -> _Versions:

@@ -57,7 +57,8 @@ def _shutdowns(
 def _way_out(statement: ast.stmt) -> type[BaseException] | None:
     """Return the exception by which a statement leaves, BaseException if it ends Python at once; None if it leaves nothing."""
     if isinstance(statement, ast.Raise):
-        return getattr(builtins, last_name(getattr(statement.exc, "func", statement.exc)), Exception)
+        named = getattr(builtins, last_name(getattr(statement.exc, "func", statement.exc)), None)
+        return named if isinstance(named, type) and issubclass(named, BaseException) else Exception
     called = last_name(getattr(getattr(statement, "value", None), "func", None))
     return {"exit": SystemExit, "quit": SystemExit, "_exit": BaseException}.get(called)
 

@@ -158,7 +158,8 @@ def is_complaint(line: str) -> bool:
 
 def is_telling(line: str) -> bool:
     """Return whether the words of a line, without its data, say that something is wrong, or ros2 refuses with them."""
-    return is_refusal(line) or bool(TELLING.search(line) and TELLING.search(without_data(line)))
+    is_so = TELLING.search(line) and TELLING.search(without_data(line))
+    return bool(is_so) or is_refusal(line)  # which reads ros2's source, once
 
 
 def without_data(line: str) -> str:

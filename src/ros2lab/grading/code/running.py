@@ -16,7 +16,7 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, last_name, walk
 from ros2lab.grading.code.entering import entering
 from ros2lab.grading.code.failing import Failing
 from ros2lab.grading.code.own_messages import Messages
@@ -74,14 +74,10 @@ def running(
         failing: what fails whenever it is reached; nothing after it is yielded.
     """
     paths = Paths(sources, possible, failing)
-    if failing is not None:  # what cannot be imported never begins
-        sources = [
-            source
-            for source in sources
-            if not any(isinstance(n, ast.ImportFrom) and failing.fails(source, n) for n in source.tree.body)
-        ]
+    sources = _importable(sources, failing)
     named = _definitions(sources)
-    classes = {node.name for source in sources for node in source.nodes if isinstance(node, ast.ClassDef)}
+    defined = [(source, n) for source in sources for n in source.nodes if isinstance(n, ast.ClassDef)]
+    classes = {definition.name for _, definition in defined}
     waiting: list[tuple[PythonSource, ast.AST]] = [(source, source.tree) for source in sources]
     waiting += [
         (source, part)
@@ -90,14 +86,9 @@ def running(
         if _is_entrance(source, part, entrances)
     ]
     done, entered = set[ast.AST](), dict[ast.AST, Facts]()
-    free = {piece for _, piece in waiting}  # what may begin by itself, whatever holds
-    free |= {
-        method
-        for source in sources
-        for node in source.nodes
-        if isinstance(node, ast.ClassDef)
-        for method in _called_by_others(source, node, classes)
-    }
+    # What may begin by itself, whatever holds.
+    free = {piece for _, piece in waiting}
+    free.update(*(_called_by_others(source, definition, classes) for source, definition in defined))
     is_by_name = any(_finds_any(node) for source in sources for node in source.nodes)
     while waiting:
         source, piece = waiting.pop()
@@ -109,14 +100,29 @@ def running(
         for node, facts in _pieces(paths, source, piece, entered.get(piece, ())):
             yield source, node
             if possible is not None and not is_by_name and isinstance(node, ast.Call):
-                for _, called in named.get(getattr(node.func, "attr", getattr(node.func, "id", "")), ()):
-                    if called not in free and isinstance(called, ast.FunctionDef):
-                        entered[called] = entering(possible, called, node, facts)
+                begun = (called for _, called in named.get(last_name(node.func), ()) if called not in free)
+                entered |= {
+                    called: entering(possible, called, node, facts)
+                    for called in begun
+                    if isinstance(called, ast.FunctionDef)
+                }
             for name in _names_in(node):
                 waiting += named.pop(name, ())
             if _finds_any(node):
                 waiting += [definition for found in named.values() for definition in found]
                 named.clear()
+
+
+def _importable(sources: Collection[PythonSource], failing: Failing | None) -> Collection[PythonSource]:
+    """Return the modules that can be imported: the others never begin."""
+    if failing is None:
+        return sources
+    fails = failing.fails
+    return [
+        source
+        for source in sources
+        if not any(isinstance(n, ast.ImportFrom) and fails(source, n) for n in source.tree.body)
+    ]
 
 
 def _definitions(sources: Collection[PythonSource]) -> dict[str, list[tuple[PythonSource, Definition]]]:

@@ -192,13 +192,9 @@ def nodes_are_installed(case: Case) -> Answer:
     )
     if build is None or not facts.get("is_there") or not build.executables:
         return Answer("none", seen, keys, "setup.py")
-    lost, faults = _lost(case)
-    count = len(lost)
+    playing, faults = _lost(case)
+    lost = _all_lost(case, playing)
     broken = [name for name, one in case.executables.items() if one.way == "installed" and one.fault]
-    if lost:
-        points = [one for one in case.executables.values() if one.has_entry_point and not one.package]
-        lost = [*dict.fromkeys((*lost, *(one.name for one in points if one.fault)))]
-        count = count if any(map(case.is_installed_program, case.executables)) else len(lost)
     seen |= {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
     seen["broken"] = f"; but these cannot be imported: {listed(broken)}" if broken else ""
     is_right = _has_right_points(case, is_whole=not lost and build.is_built)
@@ -211,7 +207,14 @@ def nodes_are_installed(case: Case) -> Answer:
         return Answer("unreachable", seen | {"unreachable": why}, keys, "setup.py", excuse=wanting(case))
     if not lost and (idle := _idle(case)):
         return Answer("idle", {**seen, "lost": listed(idle)}, ("build.executables", "runs"), "setup.py")
+    count = len(playing if any(map(case.is_installed_program, case.executables)) else lost)
     return Answer(("all", "one_lost", "two_lost")[min(count, 2)], seen, keys, "setup.py")
+
+
+def _all_lost(case: Case, playing: Sequence[str]) -> list[str]:
+    """Return the executables that do not start, those that play a part first; none where each of these starts."""
+    points = [one for one in case.executables.values() if one.has_entry_point and not one.package]
+    return [*dict.fromkeys((*playing, *(one.name for one in points if one.fault)))] if playing else []
 
 
 def _unreachable(build: Build, facts: Mapping[str, bool], points: Sequence[Executable]) -> str:
