@@ -26,7 +26,7 @@ ROWS = [
     ("rclpy.get_param('speed')", "self.get_parameter('speed').value"),
     ("rclpy.get_param('speed', 3)", "self.declare_parameter('speed', 3).value"),
     ("rclpy.is_shutdown()", "not rclpy.ok()"),
-    ("rclpy.sleep(1.0)", "time.sleep(1.0)` instead of `rclpy.sleep(1.0)`, with `import time"),
+    ("rclpy.sleep(1.0)", "time.sleep(1.0)"),  # for the file imports time
     ("rclpy.Duration(seconds=2)", "Duration(seconds=2)"),
 ]
 
@@ -35,7 +35,7 @@ ROWS = [
 def test_the_call_is_told_as_the_node_has_it(tmp_path: Path, call: str, meant: str) -> None:
     files = Files.right(NAME).change("PACKAGE/MODULE.py", COUNT, f"        self.made = {call}\n{COUNT}")
     files = files.change(
-        "PACKAGE/MODULE.py", "import rclpy\n", "import rclpy\nfrom std_srvs.srv import Trigger\n"
+        "PACKAGE/MODULE.py", "import rclpy\n", "import rclpy\nimport time\nfrom std_srvs.srv import Trigger\n"
     )
     path = files.path("PACKAGE/MODULE.py")
     line = next(n for n, text in enumerate(files.texts[path].splitlines(), 1) if "self.made" in text)
