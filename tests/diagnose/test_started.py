@@ -40,6 +40,7 @@ STARTED: list[tuple[Changes, str, str]] = [
         "remappings",
     ),
     ([(LAUNCH, "executable='command_subscriber'", "executable='status_publisher'")], "launch-executable", "command_subscriber instead of"),
+    ([(LAUNCH, "executable='command_subscriber'", "executable='status_publisher'"), (LAUNCH, "        Node(package='my_bot', executable='velocity_publisher', parameters=[config]),\n", "")], "launch-executable", "write command_subscriber or velocity_publisher instead of"),
     ([("config/robot.yaml", "    speed: 0.3\n", "    speed: 0.3\n    use_sim_time: true\n")], "period", "use_sim_time: false"),
     ([(LAUNCH, "launch_ros.actions import Node", "launch.actions import ExecuteProcess as Node")], "import-wrong", "launch_ros.actions"),
 ]  # fmt: skip
@@ -171,6 +172,21 @@ RIGHT: list[Changes] = [
         ("listener", "            self.state = 'running'", "            self.state = 'running'\n            rclpy.spin_until_future_complete(self.helper, self.client.call_async(Trigger.Request()))"),
         ("listener", "from std_msgs", "from std_srvs.srv import Trigger\nfrom std_msgs"),
         ("package.xml", "  <depend>std_msgs", "  <depend>std_srvs</depend>\n  <depend>std_msgs"),
+    ],
+    # Two programs of one file; one program whose nodes have names that it is given.
+    [
+        ("node", "def __init__(self):\n        super().__init__('status_publisher')", "def __init__(self, name):\n        super().__init__(name)"),
+        ("node", "StatusPublisher()", "StatusPublisher('status_publisher')"),
+        ("node", "\n\nif __name__", "\n\ndef second():\n    rclpy.init()\n    rclpy.spin(StatusPublisher('second'))\n\n\nif __name__"),
+        ("setup.py", "'status_publisher = ", "'second = my_bot.status_publisher:second',\n            'status_publisher = "),
+        (LAUNCH, f"        {STATUS}", f"        {STATUS}, {STATUS.replace('status_publisher', 'second')}"),
+        (LAUNCH, "        Node(package='my_bot', executable='command_subscriber'),\n", ""),
+    ],
+    [
+        ("node", "super().__init__('status_publisher')", "super().__init__(sys.argv[1])"),
+        ("node", "import rclpy\n", "import sys\n\nimport rclpy\n"),
+        (LAUNCH, f"        {STATUS}", f"        {STATUS[:-1]}, arguments=['one']), {STATUS[:-1]}, arguments=['two'])"),
+        (LAUNCH, "        Node(package='my_bot', executable='command_subscriber'),\n", ""),
     ],
     # A class that is there for the nodes of others, and a file that takes another one's place.
     [

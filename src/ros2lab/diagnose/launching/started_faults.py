@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from ros2lab.diagnose.finding import Finding, at
+from ros2lab.diagnose.finding import Finding, at, in_a_row
 from ros2lab.diagnose.launching.launch_arguments import sections_in
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.nodes.partners import name_in
@@ -214,17 +214,14 @@ def _is_node(sources: NodeSources, source: PythonSource, call: ast.Call) -> bool
 
 
 def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
-    """Yield an executable that is started twice under the same name, while another is never started."""
-    for number, node in enumerate(nodes):
-        earlier = [(other.module, other.full_name) for other in nodes[:number]]
-        started = {other.launched.executable for other in nodes}
-        left = [point.name for point in node.package.points if point.name not in started]
-        if (node.module, node.full_name) in earlier and left:
-            name = node.launched.executable
-            cause = f"The launch file starts {name} twice under the same name and never starts {left[0]}."
-            yield Finding(
-                "launch-executable", cause, node.launched.place, f"write {left[0]} instead of {name} here"
-            )
+    """Yield an executable that is started twice under the same name, while others of its package are never started."""
+    started = [(node.package, node.launched.executable, node.name and node.full_name) for node in nodes]
+    for number, (package, name, full_name) in enumerate(started):
+        left = [p.name for p in package.points if (package, p.name) not in {row[:2] for row in started}]
+        if full_name and started[number] in started[:number] and left:
+            cause = f"The launch file starts {name} twice under the same name and never starts {in_a_row(left)}."
+            fix = f"write {' or '.join(left)} instead of {name} here"
+            yield Finding("launch-executable", cause, nodes[number].launched.place, fix)
 
 
 def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
