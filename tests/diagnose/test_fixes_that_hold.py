@@ -224,6 +224,26 @@ def test_an_argument_is_for_a_node_that_declares_it(
     assert fixes_of_workspace(files, tmp_path, "launch-unused") == [fix]
 
 
+@pytest.mark.parametrize(
+    ("items", "told", "fix"),
+    [
+        ("[range, ears]", "`range` is Python's own range", "write talker instead of range"),
+        ("[id, talker, ears]", "`id` is Python's own id", "remove id from the list, or write what is meant instead"),
+        ("[talker, ears, None]", "`None` is None", "remove None from the list, or write what is meant instead"),
+        ("[launch, talker]", "`launch` is the module launch", "write ears instead of launch"),
+        ("[Node, talker, ears]", "`Node` is the class Node itself", "write Node(...), with what it needs in the parentheses, instead of Node"),
+        ("[max, input, talker, ears]", "`max` is Python's own max and `input` is Python's own input", "remove max and input from"),
+        ("talker", "takes a list of LaunchDescriptionEntitys, in brackets here, but `talker` is a Node", "give it a list"),
+    ],
+)  # fmt: skip
+def test_of_a_list_only_the_wrong_items_are_told(tmp_path: Path, items: str, told: str, fix: str) -> None:
+    made = "".join(f"    {name} = {TALKER}\n" for name in ("talker", "ears"))
+    text = f"import launch\nfrom launch import LaunchDescription\nfrom launch_ros.actions import Node\n\n\ndef generate_launch_description():\n{made}    return LaunchDescription({items})\n"
+    (found,) = of_workspace(Files.right(NAME).put("launch/more.launch.py", text).write(tmp_path))
+    assert told in found.cause
+    assert found.fix.startswith(fix)
+
+
 POINT = "'console_scripts': ["
 START = "def begin():\n    pass\n\n\ndef start():\n    begin()\n\n\nif __name__ == '__main__':\n    start()\n"
 

@@ -91,6 +91,68 @@ def test_what_stops_a_node(tmp_path: Path, files: Files, number: int) -> None:
     assert of_workspace(files.write(tmp_path)) == []
 
 
+SERVER = """\
+import time
+
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+
+class Arm(Node):
+    def __init__(self):
+        super().__init__('arm')
+        MADE
+
+    def pick(self, request, response):
+        ASKED
+        response.success = True
+        return response
+
+    def receive(self, msg):
+        TOLD
+
+    def move(self):
+        time.sleep(2.0)
+        print('there')
+        time.sleep(2.0)
+
+
+def main():
+    rclpy.init()
+    node = Arm()
+    rclpy.spin(node)
+"""
+SERVES = "self.create_service(Trigger, 'pick', self.pick)"
+HEARS = "self.create_subscription(String, 'go', self.receive, 10)"
+GROUP = "add callback_group=MutuallyExclusiveCallbackGroup() to create_service(...) on line"
+
+
+@pytest.mark.parametrize(
+    ("made", "called", "fixes"),
+    [
+        ((SERVES, HEARS), ("self.move()", "pass"), [f"{GROUP} 12"]),
+        ((HEARS, SERVES), ("self.move()", "self.move()"), [f"{GROUP} 13"]),
+        ((HEARS, SERVES), ("pass", "self.move()"), ["create_timer(period, self.callback)"]),
+        ((HEARS, SERVES), ("time.sleep(1)", "time.sleep(1)"), [GROUP, "create_timer(period, self.callback)"]),
+        ((HEARS, SERVES), ("input()", "pass"), ["call input() in a separate thread"]),
+        ((SERVES,), ("self.move()", "pass"), []),
+    ],
+)
+def test_a_service_waits_in_a_thread_of_its_own(
+    tmp_path: Path, files: Files, made: tuple[str, ...], called: tuple[str, str], fixes: list[str]
+) -> None:
+    """It answers when the wait is over: what is done later, in a timer, would come after the answer."""
+    text = (
+        SERVER.replace("MADE", "\n        ".join(made)).replace("ASKED", called[0]).replace("TOLD", called[1])
+    )
+    root = files.put("driver", text).write(tmp_path)
+    found = [finding.fix for finding in of_workspace(root) if finding.code == "callback-waits"]
+    assert len(found) == len(fixes)
+    assert all(fix in whole for fix, whole in zip(fixes, found, strict=True))
+
+
 RIGHT = [
     ("        msg = String()\n", "        import time\n        time.sleep(0.01)\n        msg = String()\n"),
     ("import rclpy\n", "import threading\nimport time\nimport rclpy\n\n\ndef ask():\n    time.sleep(3)\n    input()\n\n\nthreading.Thread(target=ask)\n"),

@@ -60,7 +60,7 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     from ros2lab.diagnose.checking.called_at_once import called_at_once
     from ros2lab.diagnose.checking.compared_types import compared_types
     from ros2lab.diagnose.checking.type_checker import type_faults
-    from ros2lab.diagnose.finding import SAID, ranked
+    from ros2lab.diagnose.finding import SAID, ranked, stops_node
     from ros2lab.diagnose.look import Look
     from ros2lab.diagnose.mending.repairs import worth_typing
     from ros2lab.diagnose.net import changed, guarded
@@ -80,7 +80,8 @@ def of_workspace(path: Path, environ: Mapping[str, str] | None = None) -> list[F
     places = {finding.place for finding in (*look.findings, *checked)}
     checked += guarded(compared_types, look, places)
     checked += [lacking for file in look.launch_files for lacking in file.lacks]
-    told = {finding.place for finding in checked}
+    told = {finding.place for finding in checked}  # or the file, where launch names no line
+    told |= {finding.place.partition(":")[0] for finding in checked if stops_node(finding)}
     known = (finding for finding in look.findings if finding.code != SAID or finding.place not in told)
     return [changed(worth_typing, finding, look) for finding in ranked([*known, *checked])]
 

@@ -19,6 +19,7 @@ from ros2lab.diagnose.checking.members import in_place_of
 from ros2lab.diagnose.checking.objections import Doubts, objections_of, owner_and_name
 from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
+from ros2lab.diagnose.checking.refused_items import refused_items
 from ros2lab.diagnose.checking.ros_calls import of_callback, of_class_method
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain
 from ros2lab.diagnose.checking.wrong_owners import of_another_owner
@@ -82,7 +83,10 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
         return Finding(code, cause, place, fix)
-    if told := _of_known(rule, name, cause, call, spot=spot, look=look):
+    told = _of_known(rule, name, cause, call, spot=spot, look=look)
+    if told is None and at_fault and rule == "invalid-argument-type":
+        told = refused_items(spot, at_fault, short, row["said"])
+    if told:
         return Finding(code, told[0], place, told[1])
     if rule == "unknown-argument":
         fix = _nearer(name, call) or fix

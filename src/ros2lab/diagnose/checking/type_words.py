@@ -86,7 +86,8 @@ def types_named(said: str, message: str) -> int:
 def not_taken(function: str, value: str, wanted: str, given: str) -> tuple[str, str]:
     """Return cause and fix of an argument of the wrong type; its value is empty if that is not known."""
     takes, is_given = plain(wanted), plain(given)
-    if is_given in takes.split(" or "):  # the same words say nothing
+    is_list = is_given.startswith("a list") and takes.startswith("a list")
+    if is_list or is_given in takes.split(" or "):  # the same words say nothing
         called, has = (re.search(r"\(([^()]*)\) ->", kind) for kind in (wanted, given))
         if called is None or has is None:
             return f"{function} takes `{wanted}` here, but is given `{given}`.", f"give it `{wanted}`"
@@ -131,7 +132,9 @@ def plain(kind: str) -> str:  # noqa: PLR0911 -- a table
         return "a list" if "|" in inner[1] else f"a list of {inner[1].rpartition('.')[2]}s, in brackets"
     if made := re.fullmatch(r"type\[(.+)\]|<class '(.+)'>", kind):
         return f"the class {made[1] or made[2]} itself"
-    if kind.startswith(("(", "def ", "bound method", "Callable")):
+    if module := re.fullmatch(r"<module '(.+)'>", kind):
+        return f"the module {module[1]}"
+    if kind.startswith(("(", "def ", "bound method", "Callable", "Overload[")):
         return "a function without its parentheses"
     known = {
         "str": "a string",

@@ -27,6 +27,7 @@ from ros2lab.diagnose.sources.syntax_parts import calls_in
 from ros2lab.diagnose.sources.uses import own_stores
 
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
+GROUP_IMPORTED = "with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
 _THREADS, _REENTRANT = "MultiThreadedExecutor", "ReentrantCallbackGroup"
 # What rclpy runs as a task, in no callback group: what takes it, and its place and name among the arguments.
 _TAKES_TASK = {
@@ -350,15 +351,22 @@ def _in_threads(callback: _Callback, waits: Sequence[_Wait], sources: NodeSource
         )
     if edits and "time" not in callback.source.names:
         edits[-1] += ", with `import time` at the top"
-    homes = sorted(sources.sources.values(), key=lambda home: home is not callback.source)
-    calls = ((home, n) for home in homes for n in home.calls if n.args)
-    for home, spin in [pair for pair in calls if pair[0].resolve(pair[1].func) == "rclpy.spin"][:1]:
-        node, where = ast.unparse(spin.args[0]), "" if home is callback.source else f" of {home.shown}"
-        edits.append(
-            f"`executor = MultiThreadedExecutor()`, `executor.add_node({node})` and `executor.spin()` on line {spin.lineno}{where}, "
-            "with `from rclpy.executors import MultiThreadedExecutor`"
-        )
+    edits += spun_by_threads(sources, callback.source)
     return f"write {', '.join(edits)}, and {_grouped(callback, waits)}"
+
+
+def spun_by_threads(sources: NodeSources, source: PythonSource) -> list[str]:
+    """Return what to write for the first rclpy.spin(), of a file if it has one, so that several threads spin; empty without any."""
+    homes = sorted(sources.sources.values(), key=lambda home: home is not source)
+    calls = ((home, n) for home in homes for n in home.calls if n.args)
+    home, spin = next(
+        (pair for pair in calls if pair[0].resolve(pair[1].func) == "rclpy.spin"), (source, None)
+    )
+    if spin is None:
+        return []
+    node, where = ast.unparse(spin.args[0]), "" if home is source else f" of {home.shown}"
+    added = f"`executor = MultiThreadedExecutor()`, `executor.add_node({node})` and `executor.spin()`"
+    return [f"{added} on line {spin.lineno}{where}, with `from rclpy.executors import MultiThreadedExecutor`"]
 
 
 def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
@@ -370,7 +378,7 @@ def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
         call = ast.Call(made.func, made.args, [*kept, group])
         rows.append(f"`{callback.source.name_of(made)} = {ast.unparse(call)}` on line {made.lineno}")
     written = " and ".join(rows) or "a callback group of its own for the client"
-    return f"{written}, with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
+    return f"{written}, {GROUP_IMPORTED}"
 
 
 def _made_by(callback: _Callback, wait: _Wait) -> ast.Call | None:

@@ -219,7 +219,9 @@ def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
     for number, (package, name, full_name) in enumerate(started):
         left = [p.name for p in package.points if (package, p.name) not in {row[:2] for row in started}]
         if full_name and started[number] in started[:number] and left:
-            cause = f"The launch file starts {name} twice under the same name and never starts {in_a_row(left)}."
+            cause = (
+                f"The launch file starts {name} twice under the same name and never starts {in_a_row(left)}."
+            )
             fix = f"write {' or '.join(left)} instead of {name} here"
             yield Finding("launch-executable", cause, nodes[number].launched.place, fix)
 

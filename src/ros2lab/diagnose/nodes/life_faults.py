@@ -6,6 +6,7 @@ import ast
 import re
 from collections.abc import Iterator
 
+from ros2lab.diagnose.code.deadlocks import GROUP_IMPORTED, spun_by_threads
 from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.nodes.endless_loops import (
     endless_loops,
@@ -22,7 +23,7 @@ from ros2lab.diagnose.nodes.unreached import unreached, unreached_faults
 from ros2lab.diagnose.nodes.waits_for_others import waits_for_another
 from ros2lab.diagnose.sources.answered import ends_open, plain_returns, unanswered
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
-from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
+from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources
 from ros2lab.diagnose.sources.one_run import in_loops, is_always_reached, may_end, own_calls, run_once
 from ros2lab.diagnose.sources.python_source import (
     Function,
@@ -115,7 +116,8 @@ def _agrees(node: ast.Return) -> bool:
 
 def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
     running: list[tuple[PythonSource, Function, NodeClass | None, str]] = []
-    for creation, function in sources.callbacks():
+    # What a service shares with others waits for its answer.
+    for creation, function in sorted(sources.callbacks(), key=lambda made: not _answers(made[0])):
         running.append((creation.source, function, creation.owner, f"the callback {function.name}"))
     for node_class in sources.nodes:
         if "__init__" in node_class.methods:
@@ -126,6 +128,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         if creation.method in ("create_timer", "create_subscription", "create_service")
     }
     seen: set[int] = set()
+    waits = dict[str, Finding]()
     for source, function, owner, what in running:
         if id(function) in seen:
             continue
@@ -133,7 +136,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         own = [sources.method(owner, name) for name in own_calls(function)]
         functions = [function, *(method for method in own if method and not is_generator(method))]
         yield from endless_loops(sources, source, owner, functions, what)
-        yield from _waits(sources, source, owner, functions, what)
+        waits |= {f.place: f for f in _waits(sources, source, owner, functions, what) if f.place not in waits}
         yield from _needs_asyncio(sources, source, functions, what)
         yield from waits_for_another(sources, source, owner, functions, what)
         if what == "the constructor":
@@ -143,6 +146,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
             yield from shut_down(sources, source, owner, function)
         if id(function) in repeated and id(function) not in unreached(sources):
             yield from _made_again(sources, source, functions)
+    yield from waits.values()
     yield from unreached_faults(sources)
     yield from rate_faults(sources)
     yield from _sent_early(sources)
@@ -369,33 +373,39 @@ def _is_used_at_once(sources: NodeSources, source: PythonSource, function: Funct
 def _waits(
     sources: NodeSources, source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
 ) -> Iterator[Finding]:
-    """Yield spins in callbacks and constructors, and calls that block a callback for long."""
+    """Yield spins in callbacks and constructors, and the first call in a function that blocks a callback for long."""
     is_alone = not has_others_than(sources, owner, functions[0])
-    is_service = any(
-        creation.method == "create_service" and function is functions[0]
-        for creation, function in sources.callbacks()
-    )
+    asked = [made for made, function in sources.callbacks() if function is functions[0] and _answers(made)]
     # Where there is no other callback, a service may take its time, and a loop may be all that the node does.
-    is_free = what == "the constructor" or uses_threads(sources, source) or (is_alone and is_service)
+    is_free = what == "the constructor" or uses_threads(sources, source) or (is_alone and bool(asked))
     for function in functions:
         repeated = in_loops(function) if is_alone else set()
-        for node in own_nodes(function):
-            name = source.resolve(node.func) or dotted(node.func) or "" if isinstance(node, ast.Call) else ""
-            seconds = node.args[0] if isinstance(node, ast.Call) and node.args else None
-            if name == "rclpy.spin" and isinstance(node, ast.Call):
-                yield spin_inside(source, owner, function, node, what)
-            elif is_free or id(node) in repeated:
-                continue
-            elif name == "input" or (
-                name == "time.sleep"
-                and isinstance(seconds, ast.Constant)
-                and isinstance(seconds.value, (int, float))
-                and seconds.value >= 1
-            ):
-                cause = f"{what[0].upper()}{what[1:]} waits in {name}(), and no other callback is called until it continues."
-                fix = (
-                    "do the next step in a timer callback, with create_timer(period, self.callback), instead of waiting"
-                    if name == "time.sleep"
-                    else f"call {name}() in a separate thread, and let the callback only use the result"
-                )
-                yield Finding("callback-waits", cause, source.at(node), fix)
+        calls = [
+            (call, source.resolve(call.func) or dotted(call.func) or "")
+            for call in calls_in(own_nodes(function))
+        ]
+        yield from (
+            spin_inside(source, owner, function, c, what) for c, name in calls if name == "rclpy.spin"
+        )
+        rests = [pair for pair in calls if id(pair[0]) not in repeated and _rests(*pair)]
+        for node, name in rests[: not is_free]:
+            cause = f"{what[0].upper()}{what[1:]} waits in {name}(), and no other callback is called until it continues."
+            fix = "do the next step in a timer callback, with create_timer(period, self.callback), instead of waiting"
+            if name == "input":
+                fix = f"call {name}() in a separate thread, and let the callback only use the result"
+            elif asked:
+                threads = spun_by_threads(sources, source) or ["the spin with a MultiThreadedExecutor"]
+                group = "callback_group=MutuallyExclusiveCallbackGroup()"
+                fix = f"write {threads[0]}, and add {group} to create_service(...) on line {asked[0].call.lineno}, {GROUP_IMPORTED}"
+            yield Finding("callback-waits", cause, source.at(node), fix)
+
+
+def _answers(creation: Creation) -> bool:
+    """Return whether a callback answers, and so can only wait itself until what it was asked for is done."""
+    return creation.method == "create_service"
+
+
+def _rests(call: ast.Call, name: str) -> bool:
+    """Return whether a call waits for a key, or for a second or longer."""
+    seconds = getattr(call.args[0], "value", None) if call.args else None
+    return name == "input" or (name == "time.sleep" and isinstance(seconds, (int, float)) and seconds >= 1)
