@@ -37,6 +37,33 @@ def test_a_file_that_cmake_takes_is_there(tmp_path: Path, line: str, lost: str) 
 @pytest.mark.parametrize(
     ("line", "fix"),
     [
+        ("", "remove this Node, or write the program talker"),
+        ("add_executable(listener src/there.cpp)", "remove this Node, or write the program talker"),
+        ("add_executable(talkers src/there.cpp)", "write talkers instead of talker"),
+        (
+            "install(PROGRAMS scripts/talker.py DESTINATION lib/${PROJECT_NAME})",
+            "write talker.py instead of talker",
+        ),
+        ("add_executable(talker src/there.cpp)", ""),
+        ("install(PROGRAMS scripts/talker DESTINATION lib/${PROJECT_NAME})", ""),
+        ("install(PROGRAMS scripts/talker.py DESTINATION lib/my_bot RENAME talk)", ""),
+        ("add_executable(${PROJECT_NAME} src/there.cpp)", ""),
+        ("install(DIRECTORY scripts/ DESTINATION lib/${PROJECT_NAME})", ""),
+        ("include(cmake/programs.cmake)", ""),
+    ],
+)
+def test_a_launched_program_is_one_that_cmake_makes(tmp_path: Path, line: str, fix: str) -> None:
+    files = Files.right(NAMES[1]).change("package.xml", "ament_python", "ament_cmake").remove("setup.py")
+    files.put("CMakeLists.txt", CMAKE.format(f"{line}\n")).put("src/there.cpp", "int main() {}\n")
+    files.change("launch/robot.launch.py", "executable='LISTENER'", "executable='talker'")
+    files.change("launch/robot.launch.py", "        Node(package='PACKAGE', executable='DRIVER'),\n", "")
+    found = [f.fix for f in of_workspace(files.write(tmp_path)) if f.code == "launch-executable"]
+    assert [said.startswith(fix) for said in found] == [True, True] * bool(fix)
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
         ("", "install(DIRECTORY config launch DESTINATION"),
         ("add_executable(driver src/there.cpp)\ninstall(TARGETS driver DESTINATION lib/my_bot)", "install(DIRECTORY config launch DESTINATION"),
         ("# install(DIRECTORY launch DESTINATION share/${PROJECT_NAME})", "install(DIRECTORY config launch DESTINATION"),

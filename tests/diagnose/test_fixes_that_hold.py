@@ -206,6 +206,9 @@ def test_an_import_is_offered_only_if_its_use_works_then(
     ("declared", "actions", "fix"),
     [
         ("device", TALKER, "pass it to the Node on line 11: parameters=[{'device': LaunchConfiguration('device')}]"),
+        ("device", TALKER.replace(")", ", parameters=[{'rate': 1}])"), "add {'device': LaunchConfiguration('device')} to the parameters of the Node on line 11"),
+        ("device", TALKER.replace(")", ", parameters=[FILE])"), "add {'device': LaunchConfiguration('device')} to the parameters of the Node on line 11"),
+        ("device", TALKER.replace(")", ", parameters=[FILE, {'device': 'a' + 'b'}])"), "write LaunchConfiguration('device') instead of 'a' + 'b' on line 11"),
         ("device", f"{TALKER}, {TALKER}", "pass it to a node: parameters=[{'device': LaunchConfiguration('device')}]"),
         ("other", TALKER, "remove it, or write LaunchConfiguration('device') where its value is needed"),
         ("device", "Node(package='tf2_ros', executable='echo')", "remove it, or write LaunchConfiguration('device') where its value is needed"),
@@ -220,8 +223,27 @@ def test_an_argument_is_for_a_node_that_declares_it(
     tmp_path: Path, declared: str, actions: str, fix: str
 ) -> None:
     files = with_use(f"self.declare_parameter('{declared}', '')", "pass")
-    files.put("launch/more.launch.py", LAUNCH.replace("IMPORT", "").replace("ACTIONS", actions))
+    files.put(
+        "launch/more.launch.py", LAUNCH.replace("IMPORT", "FILE = 'a.yaml'").replace("ACTIONS", actions)
+    )
     assert fixes_of_workspace(files, tmp_path, "launch-unused") == [fix]
+
+
+@pytest.mark.parametrize(
+    ("line", "fix"),
+    [
+        ("", "[{'device': LaunchConfiguration('device')}], with `from launch.substitutions import LaunchConfiguration` at the top"),
+        ("from launch import substitutions", "[{'device': substitutions.LaunchConfiguration('device')}]"),
+        ("from launch.substitutions import LaunchConfiguration as Given", "[{'device': Given('device')}]"),
+    ],
+)  # fmt: skip
+def test_an_argument_is_read_by_what_the_file_imports(tmp_path: Path, line: str, fix: str) -> None:
+    files = with_use("self.declare_parameter('device', '')", "pass")
+    text = LAUNCH.replace("from launch.substitutions import LaunchConfiguration", line)
+    files.put("launch/more.launch.py", text.replace("IMPORT", "").replace("ACTIONS", TALKER))
+    assert fixes_of_workspace(files, tmp_path, "launch-unused") == [
+        f"pass it to the Node on line 11: parameters={fix}"
+    ]
 
 
 @pytest.mark.parametrize(

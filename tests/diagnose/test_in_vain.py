@@ -113,7 +113,7 @@ def test_a_tag_after_the_node(tmp_path: Path, inside: str, count: int) -> None:
     [
         ("speed='0.9'", "write 'max_speed' instead of 'speed'"),
         ("max_sped='0.9'", "write 'max_speed' instead of 'max_sped'"),
-        ("velocity='0.9'", "write 'max_speed' instead of 'velocity'"),
+        ("velocity='0.9'", "remove velocity here, or define it in one.launch.py"),
         ("max_speed='0.9'", ""),
         ("max_speed='0.9', use_sim_time='true'", ""),
     ],

@@ -48,6 +48,21 @@ def test_a_field_is_compared_with_another_type(tmp_path: Path, kind: str, condit
 
 
 @pytest.mark.parametrize(
+    ("condition", "fix"),
+    [
+        ("self.state == 'paused'", "remove this comparison, with what depends on it, or set self.state to 'paused' where that begins"),
+        ("self.state != 'paused'", "remove this comparison, with what depends on it, or set self.state to 'paused' where that begins"),
+        ("self.state in ('idle', 'paused')", "remove 'paused' here, or set self.state to 'paused' where that begins"),
+        ("self.state == 'runing'", "write 'runing' instead of 'running' here"),
+        ("self.state in ('idle', 'running')", ""),
+    ],
+)  # fmt: skip
+def test_a_state_is_set_before_it_is_asked_for(tmp_path: Path, condition: str, fix: str) -> None:
+    files = right_workspace().change("listener", "msg.data == 'start'", condition)
+    assert [finding.fix for finding in found_in(files, tmp_path)] == [fix] * bool(fix)
+
+
+@pytest.mark.parametrize(
     ("kind", "condition"),
     [
         ("Bool", "msg.data == True"),

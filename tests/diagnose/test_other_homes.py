@@ -18,7 +18,7 @@ def told(folder: Path, imports: str, use: str) -> list[tuple[str, str]]:
     return [
         (finding.cause, finding.fix)
         for finding in of_workspace(files.write(folder))
-        if finding.code in ("attribute-missing", "import-wrong")
+        if finding.code in ("argument-type", "attribute-missing", "import-wrong")
     ]
 
 
@@ -81,11 +81,11 @@ def test_a_class_is_told_where_it_is(tmp_path: Path, imports: str, use: str, hom
     [
         ("import base64", "base64.decodestring(b'x')", "write decodebytes instead of"),
         ("import base64", "base64.encodestring(b'x')", "write encodebytes instead of"),
-        ("import time", "time.clock()", "fix the spelling of clock"),
+        ("import time", "time.clock()", "remove clock here, or write what time has for it"),
         ("import random", "random.range(1, 5)", "write randrange instead of"),
-        ("import string", "string.atoi('3')", "fix the spelling of atoi"),
-        ("from time import clock", "clock()", "write the name of what was meant"),
-        ("from base64 import decodestring", "decodestring(b'x')", "write the name of what was meant"),
+        ("import string", "string.atoi('3')", "remove atoi here, or write what string has for it"),
+        ("from time import clock", "clock()", "remove clock here, with what uses it on line 21, or write what time has for it"),
+        ("from base64 import decodestring", "decodestring(b'x')", "remove decodestring here, with what uses it on line 21, or write what base64 has for it"),
         ("import random, math", "random.sqrt(2)", "write `math.sqrt(2)` instead of"),
         ("import math\nfrom os import sleep\nimport time", "sleep(1)", "write `from time import sleep`"),
         ("import collections", "collections.Enum('Kind', 'a')", "write enum.Enum instead of"),
@@ -127,7 +127,7 @@ def in_except(folder: Path, caught: str) -> str:
 @pytest.mark.parametrize(
     ("caught", "cause"),
     [
-        ("rclpy.ROSException", "rclpy has no ROSException."),  # rclpy.exceptions is a module
+        ("rclpy.ROSException", "rclpy has no ROSException in ROS 2 Jazzy."),  # rclpy.exceptions is a module
         ("json.JSONDecodeErorr", "json has no JSONDecodeErorr. Did you mean JSONDecodeError?"),
         ("json.Dump", "json has no Dump."),
     ],
@@ -136,7 +136,39 @@ def test_only_an_exception_is_offered_to_be_caught(tmp_path: Path, caught: str, 
     assert in_except(tmp_path, caught) == cause
 
 
+@pytest.mark.parametrize(
+    ("imports", "use", "cause", "fix"),
+    [
+        ("from rclpy.type_support import FeedbackMessage", "FeedbackMessage", "FeedbackMessage is not in rclpy.type_support of ROS 2 Jazzy.", "remove FeedbackMessage here, with what uses it on line 21, or write what rclpy.type_support has for it"),
+        ("from rclpy.action import ActionClient", "ActionClient(self, int, 'a').configure_introspection(1, 2, 3)", "ActionClient has no configure_introspection in ROS 2 Jazzy.", "remove configure_introspection here, or write what ActionClient has for it"),
+        ("from rclpy.qos import qos_profile_sensor_dat", "print(qos_profile_sensor_dat)", "qos_profile_sensor_dat is not in rclpy.qos. Did you mean qos_profile_sensor_data?", "write `from rclpy.qos import qos_profile_sensor_data`"),
+        ("from rclpy.type_support import check_for_typesupport", "check_for_typesupport(int)", "check_for_typesupport is not in rclpy.type_support. Did you mean check_for_type_support?", "write `from rclpy.type_support import check_for_type_support`"),
+        ("import rclpy", "self.create_publishr(int, 'a', 10)", "Did you mean create_publisher?", "write self.create_publisher, or define self.create_publishr in __init__"),
+    ],
+)  # fmt: skip
+def test_a_name_of_another_release_is_like_none(
+    tmp_path: Path, imports: str, use: str, cause: str, fix: str
+) -> None:
+    ((said, way),) = told(tmp_path, imports, use)
+    assert said.endswith(cause)
+    assert way.startswith(fix)
+
+
+@pytest.mark.parametrize(
+    ("caught", "fix"),
+    [
+        ("json.JSONDecoder", "write Exception, or the error that is meant, instead of JSONDecoder"),
+        ("json.JSONDecodeError", ""),
+        ("OSError", ""),
+    ],
+)
+def test_what_is_caught_is_an_exception(tmp_path: Path, caught: str, fix: str) -> None:
+    use = f"0\n        try:\n            json.loads('')\n        except {caught}:\n            raise"
+    found = [way for _, way in told(tmp_path, "import json", use)]
+    assert found == [fix] * bool(fix)
+
+
 def test_what_a_module_imports_from_another_package_is_not_meant(tmp_path: Path) -> None:
     assert told(tmp_path, "import math", "rclpy.Lists") == [
-        ("rclpy has no Lists.", "fix the spelling of Lists, or use what rclpy has instead")
+        ("rclpy has no Lists in ROS 2 Jazzy.", "remove Lists here, or write what rclpy has for it")
     ]

@@ -395,7 +395,7 @@ RUN = "\n\nif __name__ == '__main__':\n    main()\n"
         ("PACKAGE/by_hand.py", ASKS, {}, "write `from my_bot.my_bot import Helper`"),
         ("PACKAGE/listed.py", ASKS + RUN, {}, "write `from my_bot.my_bot import Helper`"),
         ("PACKAGE/by_hand.py", ASKS + RUN, {"PACKAGE/__init__.py": "from .my_bot import Helper\n"}, ""),
-        ("PACKAGE/by_hand.py", ASKS.replace("Helper", "Nobody") + RUN, {}, "import one of the names that it has: Helper"),
+        ("PACKAGE/by_hand.py", ASKS.replace("Helper", "Nobody") + RUN, {}, "remove Nobody here, with what uses it on line 5, or define it in my_bot"),
         ("PACKAGE/inner/by_hand.py", ASKS + RUN, {"PACKAGE/inner/__init__.py": ""}, "write `from my_bot.my_bot import Helper`"),
         ("PACKAGE/by_hand.py", ASKS.replace("Helper", "Other"), {"PACKAGE/kept.py": "class Other: ...\n"}, "write `from my_bot.kept import Other`"),
     ],

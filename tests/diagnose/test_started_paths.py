@@ -72,6 +72,24 @@ def test_a_file_is_started_as_it_is_installed(tmp_path: Path, executable: str, c
     )
 
 
+@pytest.mark.parametrize(
+    ("executable", "fix"),
+    [
+        ("talkers", "write talker instead of talkers"),
+        (
+            "wheel_speed",
+            "remove this Node, or write the program wheel_speed, with its entry point in setup.py",
+        ),
+        ("controller", "remove this Node, or write the program controller, with its entry point in setup.py"),
+        ("talk", "write talker instead of talk"),
+    ],
+)
+def test_a_program_that_is_gone_is_like_none(tmp_path: Path, executable: str, fix: str) -> None:
+    files = Files.right(NAMES[1])
+    files.put("launch/more.launch.py", launching(f"Node(package='my_bot', executable={executable!r}),"))
+    assert [finding.fix for finding in told(tmp_path, files, "launch-executable")] == [fix]
+
+
 def test_what_an_included_file_starts_is_told_of_that_file(tmp_path: Path) -> None:
     files = Files.right(NAMES[1])
     files.put("launch/a.launch.py", launching("Node(package='my_bot', executable='talkers'),"))

@@ -20,7 +20,7 @@ from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.file_texts import read_toml
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource, last_name
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import nearest, nothing_like
 
 _READERS = ("DictReader", "load", "safe_load", "loads", "read")
 _DATA = frozenset((".csv", ".tsv", ".json", ".yaml", ".yml", ".toml", ".ini", ".cfg", ".txt"))
@@ -57,7 +57,9 @@ def of_read_key(key: str, asked: ast.Subscript, spot: Spot, look: Look) -> Findi
         cause = (
             f"{file.shown}, from which {ast.unparse(asked.value)} comes, has no key {key!r}; it has {names}."
         )
-        return Finding("python-error", cause, source.at(spot.line), f"use one of these instead of {key!r}")
+        return Finding(
+            "python-error", cause, source.at(spot.line), nothing_like(repr(key), file.shown, is_own=True)
+        )
     return None
 
 

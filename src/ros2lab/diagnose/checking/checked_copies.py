@@ -28,6 +28,7 @@ RULES = {
     "unknown-argument": r"Argument `(?P<name>\w+)` .* of (?:.*? )?`(?P<owner>[\w.]+)`",
     "not-callable": r"Object of type `(?P<owner>[^~].*)` is not callable",
     "unsupported-operator": r"Operator `(?P<name>.+?)` .*type `(?P<owner>.+?)`(?: and `(?P<given>.+)`)?$",
+    "invalid-exception-caught": r"Object has type `(?P<owner><class '(?P<name>\w+)'>)`",
     "invalid-argument-type": r"Argument to (?:.*? )?`(?P<owner>[\w.]+)` is incorrect: Expected `(?P<wanted>.+)`, "
     r"found `(?P<given>.+)`",
 }

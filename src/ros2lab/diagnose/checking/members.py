@@ -14,7 +14,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.interfaces import field_kind
-from ros2lab.diagnose.sources.spelling import may_mean, nearest
+from ros2lab.diagnose.sources.spelling import may_mean, nearest, nothing_like
 from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 
@@ -63,6 +63,15 @@ def in_place_of(name: str, owner: str, spot: Spot, look: Look | None, said: str 
         ways = {f"{ast.unparse(uses[0].value)}.{member}{rest}": member for member in meant}
         meant = [ways.get(first_that_stands(spot.source, whole, list(ways), settled=said), "")]
     return next(iter(meant), "")
+
+
+def without_like(name: str, owner: str, called: str, look: Look, spot: Spot) -> tuple[str, str]:
+    """Return cause and fix of a member like none that its owner, as it is `called`, has; only a workspace's own can be defined."""
+    short = owner.rpartition(".")[2]
+    files = [source for package in look.packages for source in look.sources(package).sources.values()]
+    own = {inner for file in (*files, spot.file) for inner in (file.name.rpartition(".")[2], *file.classes)}
+    release = " in ROS 2 Jazzy" if owner.partition(".")[0] in interfaces.PACKAGES or _homes(short) else ""
+    return f"{called} has no {name}{release}.", nothing_like(name, called, is_own=short in own)
 
 
 def _homes(owner: str) -> Sequence[str]:

@@ -12,7 +12,7 @@ from ros2lab.diagnose.checking.trials import kinds_in
 from ros2lab.diagnose.checking.type_words import plain
 from ros2lab.diagnose.finding import in_a_row
 from ros2lab.diagnose.printed.spots import Spot
-from ros2lab.diagnose.sources.python_source import names_bound, own_nodes
+from ros2lab.diagnose.sources.python_source import names_bound, names_read, own_nodes
 
 
 def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> tuple[str, str] | None:
@@ -28,7 +28,7 @@ def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> tupl
     if not isinstance(value, ast.List):
         return None
     scope = own_nodes(spot.function or source.tree)
-    free = sorted(names_bound(scope) - {n.id for n in source.nodes if _is_read(n)})
+    free = sorted(names_bound(scope) - names_read(source.nodes))
     alone = ["", *(f"reveal_type({ast.unparse(item)})" for item in value.elts), *free]
     empty, *rows = checked(source, [Edit(value, f"[{item}]").of(source) for item in alone])
     least = _refusals(empty, said)
@@ -52,10 +52,6 @@ def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> tupl
     if len(refused) == len(fitting) == 1:
         fix = f"write {fitting[0]} instead of {names}"
     return f"Not every item of this list is one that {function} takes: {in_a_row(kinds)}.", fix
-
-
-def _is_read(node: ast.AST) -> bool:
-    return isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)
 
 
 def _refusals(rows: list[Row], said: str) -> int:

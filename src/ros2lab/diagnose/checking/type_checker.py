@@ -15,7 +15,7 @@ from ros2lab.diagnose.checking.call_forms import (
     rewritten,
 )
 from ros2lab.diagnose.checking.checked_copies import checked, first_that_stands
-from ros2lab.diagnose.checking.members import in_place_of
+from ros2lab.diagnose.checking.members import in_place_of, without_like
 from ros2lab.diagnose.checking.objections import Doubts, objections_of, owner_and_name
 from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
@@ -73,6 +73,11 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     if rule in _OF_VALUES:
         said["whole"] = row["said"]
         return _of_member(rule, said, spot, look)
+    if rule == "invalid-exception-caught":
+        cause = f"{name} is no exception, so this `except` itself fails as soon as an error comes to it."
+        return Finding(
+            "argument-type", cause, place, f"write Exception, or the error that is meant, instead of {name}"
+        )
     if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
         return Finding("argument-missing", *of_class(said, spot))
     call = call_at(spot, int(row["column"]) - 1, rule)
@@ -303,19 +308,7 @@ def _no_attribute(owner: str, name: str, spot: Spot, look: Look, said: str) -> t
             return told
         cause = f"self.{name} is used here, but nothing in the class sets it."
         return cause, f"write self.{name} = ... in __init__, with its initial value"
-    return cause, _of_those_known(owner, name, spot, look)
-
-
-def _of_those_known(owner: str, name: str, spot: Spot, look: Look) -> str:
-    """Say what to write instead of a member that is like none: one of those there are, or its definition if that is the workspace's."""
-    is_called = any(getattr(call.func, "attr", "") == name for call in calls_in(spot.nodes))
-    if offered := interfaces.methods_of(owner, with_properties=not is_called):
-        return f"use one of {offered} instead, if one of them does what is meant"
-    short = owner.rpartition(".")[2]
-    sources = [look.sources(package) for package in look.packages]
-    named = {inner for own in sources for inner in (*own.sources, *own.classes)}
-    is_own = short in {*(spot.source.classes if spot.source else ()), *(n.rpartition(".")[2] for n in named)}
-    return f"fix the spelling of {name}, or {'define it' if is_own else f'use what {owner} has instead'}"
+    return without_like(name, owner, plain(owner), look, spot)
 
 
 def _of_another_module(owner: str, name: str, spot: Spot) -> tuple[str, str] | None:

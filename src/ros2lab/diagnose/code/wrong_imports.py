@@ -7,16 +7,15 @@ import re
 import sys
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
-from ros2lab.diagnose.finding import Finding, Guess
+from ros2lab.diagnose.finding import Finding, Guess, these_lines
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.bindings import Import
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.diagnose.sources.spelling import is_near_miss, nearest
+from ros2lab.diagnose.sources.spelling import is_near_miss, nearest, nothing_like
 
 _Home = tuple[str, str]  # the module, empty for a name that is one, and the name in it
 # The packages whose names are known to be those of the student's computer, too.
 _KNOWN = interfaces.PACKAGES | sys.stdlib_module_names | {"setuptools"}
-_MOST_OFFERED = 6  # names of a module that are offered
 
 
 def misspelt_packages(source: PythonSource, own: Collection[str]) -> Iterator[Finding]:
@@ -92,7 +91,8 @@ def _of_names(
     homes = _homes(module, wrong, names, source) | _below(module, wrong, own)
     if is_absent and not homes:
         return None  # a library that is not installed here
-    cause = f"{' and '.join(wrong)} {'is' if len(wrong) == 1 else 'are'} not in {module}"
+    release = " of ROS 2 Jazzy" if top in interfaces.PACKAGES and not homes else ""
+    cause = f"{' and '.join(wrong)} {'is' if len(wrong) == 1 else 'are'} not in {module}{release}"
     cause = f"There is no module {module}" if names is None else cause
     return Finding(
         "import-wrong",
@@ -120,6 +120,12 @@ def _below(module: str, wrong: Sequence[str], own: Mapping[str, Collection[str]]
     """Return the only module of the workspace, directly below another one, that binds each of some names."""
     inner = {name: names for name, names in own.items() if name.rpartition(".")[0] == module}
     holding = {name: [home for home, names in inner.items() if name in names] for name in wrong}
+    for name in wrong:  # or it is a module itself, in a folder
+        holding[name] += [
+            home[: -len(name) - 1]
+            for home in own
+            if home.startswith(f"{module}.") and home.endswith(f".{name}")
+        ]
     return {name: (homes[0], name) for name, homes in holding.items() if len(homes) == 1}
 
 
@@ -222,7 +228,7 @@ def _fix(
         for home, names in by_home.items()
     ]
     if not homes:
-        return _without(source, source.absolute(node), lost, written, names)
+        return _without(source, source.absolute(node), lost, written)
     used = [
         f"{new} instead of {old} on line {' and '.join(map(str, lines))}"
         for old, new in renamed.items()
@@ -232,21 +238,17 @@ def _fix(
     return f"write {' and '.join(written)}{instead}{', and ' if used else ''}{' and '.join(used)}"
 
 
-def _without(
-    source: PythonSource, module: str, lost: list[str], written: list[str], names: Collection[str] | None
-) -> str:
-    """Say what to do with names of a module of which nothing is known; only the workspace's own can be defined."""
-    if not any(used_on(source, name) for name in lost):
+def _without(source: PythonSource, module: str, lost: list[str], written: list[str]) -> str:
+    """Say what to do with names that a module lacks, and nothing is like; only the workspace's own can be defined."""
+    used = sorted({line for name in lost for line in used_on(source, name)})
+    if not used:
         return (
             f"write {written[0]}: nothing here uses {' or '.join(lost)}"
             if written
             else "remove this line: nothing here uses what it imports"
         )
-    offered = sorted(name for name in names or () if not name.startswith("_"))
-    if 0 < len(offered) <= _MOST_OFFERED:
-        return f"import one of the names that it has: {', '.join(offered)}"
-    own = "" if module.partition(".")[0] in _KNOWN else f"define {' and '.join(lost)} there, or "
-    return f"{own}write the name of what was meant"
+    where = f"here, with what uses it on {these_lines(used)}"
+    return nothing_like(" and ".join(lost), module, where, is_own=module.partition(".")[0] not in _KNOWN)
 
 
 def used_on(source: PythonSource, name: str) -> list[int]:

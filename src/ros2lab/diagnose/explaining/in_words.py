@@ -7,13 +7,12 @@ import builtins
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 
 from ros2lab.diagnose.causes.filled import published
 from ros2lab.diagnose.causes.not_running import shut_by
 from ros2lab.diagnose.causes.python_says import of_error, of_function
 from ros2lab.diagnose.causes.undeclared_arguments import default_of
-from ros2lab.diagnose.checking.members import in_place_of, members
+from ros2lab.diagnose.checking.members import in_place_of, without_like
 from ros2lab.diagnose.code.bound_names import global_names
 from ros2lab.diagnose.code.meant_names import meant, used_too_early
 from ros2lab.diagnose.code.syntax import explained
@@ -34,9 +33,7 @@ from ros2lab.diagnose.nodes.parameter_values import (
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, is_setup, place_of, spot_at
 from ros2lab.diagnose.sources.bindings import Import
-from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of, methods_of
-
-_MOST_OFFERED = 6  # similar names that are suggested
+from ros2lab.diagnose.sources.interfaces import homes_of, is_module, launch_homes_of
 
 
 def said_of(
@@ -189,13 +186,10 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look) 
     if told:
         return told
     near = (near if not near.startswith("_") else "") or in_place_of(name, owner, spot, look)
-    known = members(owner, look) - {*dir(object), name}
-    offered = methods_of(owner) or ", ".join(
-        get_close_matches(name, sorted(known), n=_MOST_OFFERED, cutoff=0)
-    )
-    fix = f"{owner} offers, for example: {offered}" if offered else "fix its spelling, or define it first"
-    fix = f"write {near}" if near else fix
-    return Finding("attribute-unknown", f"{owner} has no {name}.", place, fix, (owner,))
+    cause, fix = without_like(name, owner, owner, look, spot)
+    if near:
+        cause, fix = f"{owner} has no {name}.", f"write {near}"
+    return Finding("attribute-unknown", cause, place, fix, (owner,))
 
 
 def _submodule(owner: str, name: str, spot: Spot, look: Look) -> str:

@@ -10,7 +10,7 @@ from typing import Any
 from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with
 from ros2lab.diagnose.launching.launch_file import entities_below, entities_in
 from ros2lab.diagnose.sources.python_source import read_text
-from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.spelling import nearest, nothing_like
 
 
 def set_late(
@@ -46,10 +46,14 @@ def unknown_arguments(path: Path, shown: str, lost: Sequence[Mapping[str, Any]])
     for found in lost:
         name, free = found["name"], found["free"]
         alike = [other for other in free if {*name.split("_")} & {*other.split("_")}]
-        meant = nearest(name, free) or (alike[0] if len(alike) == 1 else free[0] if len(free) == 1 else "")
+        meant = nearest(name, free) or (alike[0] if len(alike) == 1 else "")
         has = in_a_row(free)
         cause = f"{found['file']} has no argument {name}, so it is ignored; it has {has}."
-        fix = f"write {meant!r} instead of {name!r}" if meant else f"write one of these instead of {name!r}"
+        fix = (
+            f"write {meant!r} instead of {name!r}"
+            if meant
+            else nothing_like(name, found["file"], is_own=True)
+        )
         place = _line_from(text, found["line"], name)
         yield Finding("launch-unused", cause, at(shown, place), f"{fix}, and build again")
 

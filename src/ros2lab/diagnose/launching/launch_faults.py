@@ -11,6 +11,7 @@ from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.logged import as_logged
 from ros2lab.diagnose.launching.unread_words import unread_words
+from ros2lab.diagnose.packaging.cmake_files import programs_of
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.other_names import by_another_name, meant_function
@@ -80,7 +81,7 @@ def _executable_fault(
 ) -> Iterator[Finding]:
     """Yield an executable that its package does not have, perhaps as others do, or what it prints and nobody sees."""
     if there is None:
-        yield from _without_ending(node, package, executable)
+        yield from _not_made(node, package, executable)
     elif executable in there:
         yield from _prints(package, node) if node.output is None and not node.is_wrapped else ()
     elif module := _uncalled(package, executable):
@@ -89,14 +90,14 @@ def _executable_fault(
         meant = by_another_name(package, executable)
         wanted = program_words(executable)
         same = (name for name in sorted(there) if program_words(name) == wanted)
-        alike = next(same, "") or nearest(executable, there) or ""
+        alike = next(same, "") or nearest(executable, there, 0.6) or ""
         if has_other_words(wanted, program_words(alike)) and not same_letters(executable, alike):
             alike = ""
         near = meant[0].name if meant else alike
         said = f" Did you mean {alike}?" if alike and not (meant or others) else ""
         said = f" {' and '.join(others)} {'has' if len(others) == 1 else 'have'} it." if others else said
         cause = f"The launch file starts {executable}, but {node.package} has no such executable; it has {', '.join(sorted(there)) or 'none'}.{said}"
-        fix = "write the executable's name as it is in entry_points in setup.py"
+        fix = f"remove this Node, or write the program {executable}, with its entry point in setup.py"
         if others:
             fix = f"write {' or '.join(others)} instead of {package.name} as its package"
         elif near:
@@ -119,16 +120,21 @@ def _file_fault(node: Launched, packages: Mapping[str, SourcePackage]) -> Iterat
     yield Finding("launch-executable", cause, node.place, f"{fix}, and build again")
 
 
-def _without_ending(node: Launched, package: SourcePackage, executable: str) -> Iterator[Finding]:
-    """Yield a script that CMakeLists.txt installs under the name of its file, of which a launch file leaves out the `.py`."""
-    text = package.cmake
-    installed = " ".join(re.findall(r"\binstall\s*\(\s*PROGRAMS\b([^)]*)\)", text))
-    words = [name.rpartition("/")[2] for name in re.split(r"[\s\"]+", installed)]
-    is_named = re.search(rf"\b{re.escape(executable)}\b(?!\.py)", text)
-    if f"{executable}.py" in words and not is_named and "RENAME" not in words:
-        cause = f"The launch file starts {executable}, but CMakeLists.txt of {package.name} installs it as {executable}.py."
-        fix = f"write {executable}.py instead of {executable}"
-        yield Finding("launch-executable", cause, node.place, fix)
+def _not_made(node: Launched, package: SourcePackage, executable: str) -> Iterator[Finding]:
+    """Yield a program that CMakeLists.txt surely does not make, or a script that it installs under the name of its file."""
+    made = programs_of(package)
+    if made is None or re.search(rf"\b{re.escape(executable)}\b(?!\.py)", package.cmake):
+        return
+    near = f"{executable}.py" if f"{executable}.py" in made else nearest(executable, made)
+    cause = (
+        f"The launch file starts {executable}, but CMakeLists.txt of {package.name} makes no such program."
+    )
+    fix = f"remove this Node, or write the program {executable}, and let CMakeLists.txt install it in lib/{package.name}"
+    if near:
+        has = "installs it as" if near == f"{executable}.py" else "has"
+        cause = f"The launch file starts {executable}, but CMakeLists.txt of {package.name} {has} {near}."
+        fix = f"write {near} instead of {executable}"
+    yield Finding("launch-executable", cause, node.place, fix)
 
 
 def _may_have(package: SourcePackage, node: Launched, there: Collection[str] | None) -> bool:

@@ -22,7 +22,7 @@ from ros2lab.diagnose.launching.launch_arguments import all_named
 from ros2lab.diagnose.launching.launch_kinds import READING, kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values, older_keywords
-from ros2lab.diagnose.launching.plain_values import plain_value_faults, takers
+from ros2lab.diagnose.launching.plain_values import passed_on, plain_value_faults
 from ros2lab.diagnose.launching.unlisted import unlisted
 from ros2lab.diagnose.sources.calls import as_list
 from ros2lab.diagnose.sources.commented_out import put_back
@@ -215,14 +215,11 @@ def _arguments(source: PythonSource, worded: Collection[str], own: Collection[st
             cause = f"The launch argument {name} is declared but never used, so it changes nothing."
             value = f"LaunchConfiguration('{name}')"
             fix = f"remove it, or write {value} where its value is needed"
-            if nodes := takers(source, name):
-                line = f"the Node on line {nodes[0].lineno}" if len(nodes) == 1 else "a node"
-                fix = f"pass it to {line}: parameters=[{{'{name}': {value}}}]"
-            else:
+            if not (passed := passed_on(source, name)):
                 used_by = put_back(source.text, re.escape(value))
                 ways = [back for _, back, whole in used_by if not _gives_twice(whole)]
                 fix = f"remove it, or {ways[0]}, which would use it" if ways else fix
-            yield Finding("launch-unused", cause, source.at(declared[name]), fix)
+            yield Finding("launch-unused", cause, source.at(declared[name]), passed or fix)
 
 
 def _gives_twice(code: str) -> bool:

@@ -10,12 +10,14 @@ from pathlib import Path, PurePosixPath
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_arguments import arguments_named
 from ros2lab.diagnose.launching.launch_kinds import READING, calls_of_launch, named_arguments
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_read, read_text
+from ros2lab.diagnose.sources.calls import missing_imports
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_read, read_text, walk
 from ros2lab.diagnose.sources.static_value import UNKNOWN, evaluate
 
 _TRUTHS = frozenset(("true", "false", "1", "0", "yes", "no", "on", "off"))
 # What launch counts in seconds.
 _SECONDS = frozenset(("period", "sigterm_timeout", "sigkill_timeout", "respawn_delay"))
+_READER = "launch.substitutions.LaunchConfiguration"
 _LONG, _HALF_HOUR = 1000, 1800  # s
 _FILES = (".yaml", ".yml", ".rviz", ".urdf", ".xacro", ".sdf", ".world", ".lua", ".json")
 
@@ -149,6 +151,27 @@ def _unused(source: PythonSource) -> Iterator[Finding]:
 
 
 _MOST_NODES = 3  # that are offered to take a value
+
+
+def passed_on(source: PythonSource, name: str) -> str:
+    """Say how to give an argument to the nodes that may have a parameter of its name; empty if there are none."""
+    nodes = takers(source, name)
+    written = next((known for known, target in source.names.items() if target == _READER), "")
+    homes = (known for known, target in source.names.items() if target == _READER.rpartition(".")[0])
+    written = written or f"{next(homes, '')}.LaunchConfiguration".lstrip(".")
+    value = f"{written}('{name}')"
+    more = "".join(f", with `{line}` at the top" for line in missing_imports(source, value))
+    where = f"the Node on line {nodes[0].lineno}" if len(nodes) == 1 else "a node"
+    given = [k.value for call in nodes for k in call.keywords if k.arg == "parameters"]
+    for row in (
+        item for value in given for item in walk(source.written(value)) if isinstance(item, ast.Dict)
+    ):
+        for key, old in zip(row.keys, row.values, strict=True):
+            if isinstance(key, ast.Constant) and key.value == name and len(nodes) == 1:
+                return f"write {value} instead of {ast.unparse(old)} on line {old.lineno}{more}"
+    fix = f"pass it to {where}: parameters=[{{'{name}': {value}}}]"
+    fix = f"add {{'{name}': {value}}} to the parameters of {where}" if given else fix
+    return f"{fix}{more}" if nodes else ""
 
 
 def takers(source: PythonSource, name: str) -> list[ast.Call]:

@@ -99,7 +99,10 @@ def _never_equal(state: State) -> Iterator[Finding]:
             near = nearest(text, unused, 0.6)
             cause = f"{name} is compared with {text!r}, but is only ever set to {known}."
             place = state.at(given[near] if near else node)
-            fix = f"write {text!r} instead of {near!r} here" if near else f"compare with one of {known}"
+            is_alone = isinstance(state.owner.source.above(node), ast.Compare)
+            what = "this comparison, with what depends on it" if is_alone else f"{text!r} here"
+            fix = f"remove {what}, or set {name} to {text!r} where that begins"
+            fix = f"write {text!r} instead of {near!r} here" if near else fix
             yield Finding("never-equal", cause, place, fix)
 
 

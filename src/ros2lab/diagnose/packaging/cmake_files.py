@@ -53,6 +53,33 @@ def launches_left(package: SourcePackage) -> Iterator[Finding]:
 
 
 _COMMAND = re.compile(r"^\s*(\w+)\s*\(", re.MULTILINE)
+# Those that make no program, or name it.
+_PLAIN = re.compile(
+    r"add_executable|add_library|install|ament_(?:target|export|python_install)_\w+|target_\w+|rosidl_generate_interfaces"
+)
+
+
+def _commands(text: str) -> set[str]:
+    """Return the commands of a CMakeLists.txt besides those that `ros2 pkg create` writes, which make nothing yet."""
+    begun = NewPackage("new", "ament_cmake", 3, "", "", "", "", []).render("ament_cmake/CMakeLists.txt")
+    return {*_COMMAND.findall(text.lower())} - {*_COMMAND.findall(begun)}
+
+
+def programs_of(package: SourcePackage) -> list[str] | None:
+    """Return the programs that a CMakeLists.txt makes or installs by their names; None if there may be others."""
+    text = package.cmake
+    taken = re.findall(r"\binstall\s*\(\s*PROGRAMS\b([^()]*?)DESTINATION", text)
+    names = re.findall(r"\badd_executable\s*\(\s*(\S+)", text) + [
+        name for row in taken for name in row.split()
+    ]
+    is_open = re.search(r"RENAME|SCRIPTS_DESTINATION|DIRECTORY[^()]*DESTINATION\s+lib", text)
+    if (
+        is_open
+        or any("$" in name.rpartition("/")[2] for name in names)
+        or not all(map(_PLAIN.fullmatch, _commands(text)))
+    ):
+        return None
+    return [name.strip('"').rpartition("/")[2] for name in names]
 
 
 def python_alone(package: SourcePackage) -> list[str]:
@@ -68,9 +95,7 @@ def python_alone(package: SourcePackage) -> list[str]:
     names = ("__init__.py", "setup.py")
     files = [path for folder in folders for path in sorted(folder.glob("*.py")) if path.name not in names]
     text = package.cmake
-    # What `ros2 pkg create` writes makes nothing yet.
-    begun = NewPackage("new", "ament_cmake", 3, "", "", "", "", []).render("ament_cmake/CMakeLists.txt")
-    makes = {*_COMMAND.findall(text.lower())} - {*_COMMAND.findall(begun), "install"}
+    makes = _commands(text) - {"install"}
     groups = package.manifest.member_of_groups if package.manifest else ()
     if compiled or makes or groups or ".py" in text or _installs_by_folder(text, files, package):
         return []

@@ -48,6 +48,15 @@ def write_instead(wanted: str, written: str, taken: Collection[object]) -> str:
     return f"write {wanted} instead of {written}"
 
 
+def nothing_like(name: str, owner: str, where: str = "here", *, is_own: bool = False) -> str:
+    """Return the fix of a name that its owner lacks, where it has none like it: it is left over, or not made yet.
+
+    What a library lacks may be a name of another release: then it is spelt rightly, and no other one is meant.
+    """
+    otherwise = f"define it in {owner}" if is_own else f"write what {owner} has for it"
+    return f"remove {name} {where}, or {otherwise}"
+
+
 def did_you_mean(name: object, known: Iterable[object]) -> str:
     """Return the sentence ` Did you mean ...?`; empty if no known name is similar."""
     close = nearest(name, known)
