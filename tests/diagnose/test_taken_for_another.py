@@ -176,9 +176,9 @@ def test_which_of_two_executables_should_run_the_file_that_none_runs(
     [
         ("talker_node", "write talker instead"),
         ("tlaker", "write talker instead"),
-        ("path_reader", "write the executable's name"),
-        ("left_wheels_talker_gui", "write the executable's name"),
-        ("arm_wheels", "write the executable's name"),
+        ("path_reader", "remove this Node, or write the program"),
+        ("left_wheels_talker_gui", "remove this Node, or write the program"),
+        ("arm_wheels", "remove this Node, or write the program"),
     ],
 )
 def test_a_shared_word_makes_no_other_executable_the_meant_one(

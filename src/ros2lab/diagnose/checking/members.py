@@ -70,8 +70,11 @@ def without_like(name: str, owner: str, called: str, look: Look, spot: Spot) -> 
     short = owner.rpartition(".")[2]
     files = [source for package in look.packages for source in look.sources(package).sources.values()]
     own = {inner for file in (*files, spot.file) for inner in (file.name.rpartition(".")[2], *file.classes)}
-    release = " in ROS 2 Jazzy" if owner.partition(".")[0] in interfaces.PACKAGES or _homes(short) else ""
-    return f"{called} has no {name}{release}.", nothing_like(name, called, is_own=short in own)
+    cause, is_own = f"{called} has no {name}", short in own
+    if not is_own and (owner.partition(".")[0] in interfaces.PACKAGES or _homes(short)):
+        has = interfaces.methods_of(short)
+        cause += f" in ROS 2 Jazzy{f'; it has {has}' if has else ''}"
+    return f"{cause}.", nothing_like(name, called, is_own=is_own)
 
 
 def _homes(owner: str) -> Sequence[str]:

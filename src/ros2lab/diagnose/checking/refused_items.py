@@ -6,7 +6,7 @@ import ast
 import builtins
 import keyword
 
-from ros2lab.diagnose.checking.checked_copies import Row, checked
+from ros2lab.diagnose.checking.checked_copies import checked
 from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.checking.trials import kinds_in
 from ros2lab.diagnose.checking.type_words import plain
@@ -27,34 +27,34 @@ def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> tupl
     source = spot.file
     if not isinstance(value, ast.List):
         return None
-    scope = own_nodes(spot.function or source.tree)
-    free = sorted(names_bound(scope) - names_read(source.nodes))
+    free = sorted(names_bound(own_nodes(spot.function or source.tree)) - names_read(source.nodes))
     alone = ["", *(f"reveal_type({ast.unparse(item)})" for item in value.elts), *free]
-    empty, *rows = checked(source, [Edit(value, f"[{item}]").of(source) for item in alone])
-    least = _refusals(empty, said)
-    refused = {
-        ast.unparse(item): plain("".join(kinds_in(row)[:1])).removesuffix(", in brackets")
-        for item, row in zip(value.elts, rows, strict=False)
-        if _refusals(row, said) > least
-    }
-    if not refused or _refusals([*checked(source, [source.text.encode()])[0]], said) <= least:
-        return None
-    pythons = {*dir(builtins)} - {*keyword.kwlist, *source.names} - names_bound(source.nodes)
-    words = {text: f"Python's own {text}" if text in pythons else kind for text, kind in refused.items()}
-    kinds = [f"`{text}` is {kind}" for text, kind in words.items()]
-    fitting = [
-        name for name, row in zip(free, rows[len(value.elts) :], strict=True) if _refusals(row, said) <= least
+    least, *counts = [
+        (
+            sum(row.said.startswith(said.partition(": Expected")[0]) for row in rows),
+            "".join(kinds_in(rows)[:1]),
+        )
+        for rows in checked(source, [Edit(value, f"[{item}]").of(source) for item in alone])
     ]
-    names = " and ".join(refused)
+    pythons = {*dir(builtins)} - {*keyword.kwlist, *source.names} - names_bound(source.nodes)
+    kinds = {
+        ast.unparse(item): plain(kind)
+        for item, (n, kind) in zip(value.elts, counts, strict=False)
+        if n > least[0]
+    }
+    if not kinds:
+        return None
+    fitting = [name for name, (n, _) in zip(free, counts[len(value.elts) :], strict=True) if n <= least[0]]
+    told = [
+        f"`{t}` is {f'the {t} of Python itself' if t in pythons else k.removesuffix(', in brackets')}"
+        for t, k in kinds.items()
+    ]
+    names, (item, first) = " and ".join(kinds), next(iter(kinds.items()))
     fix = f"remove {names} from the list, or write what is meant instead"
-    if len(refused) == 1 and "the class" in kinds[0]:
-        fix = f"write {names}(...), with what it needs in the parentheses, instead of {names}"
-    if len(refused) == len(fitting) == 1:
+    if len(kinds) == len(fitting) == 1:
         fix = f"write {fitting[0]} instead of {names}"
-    return f"Not every item of this list is one that {function} takes: {in_a_row(kinds)}.", fix
-
-
-def _refusals(rows: list[Row], said: str) -> int:
-    """Count the messages about the same argument of the same function."""
-    argument = said.partition(": Expected")[0]
-    return sum(row.said.startswith(argument) for row in rows)
+    elif first.startswith("the class"):
+        fix = f"write {item}(...), with what it needs in the parentheses, instead of {item}"
+    elif first.startswith("the string"):
+        fix = f"remove {names} from the list; code that is to be left out is marked with # instead of quotes"
+    return f"Not every item of this list is one that {function} takes: {in_a_row(told)}.", fix

@@ -121,11 +121,8 @@ def _below(module: str, wrong: Sequence[str], own: Mapping[str, Collection[str]]
     inner = {name: names for name, names in own.items() if name.rpartition(".")[0] == module}
     holding = {name: [home for home, names in inner.items() if name in names] for name in wrong}
     for name in wrong:  # or it is a module itself, in a folder
-        holding[name] += [
-            home[: -len(name) - 1]
-            for home in own
-            if home.startswith(f"{module}.") and home.endswith(f".{name}")
-        ]
+        deep = re.compile(rf"({re.escape(module)}\..+)\.{name}")
+        holding[name] += [found[1] for found in map(deep.fullmatch, own) if found]
     return {name: (homes[0], name) for name, homes in holding.items() if len(homes) == 1}
 
 

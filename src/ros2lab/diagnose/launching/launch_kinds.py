@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 
-from ros2lab.diagnose.finding import Finding, lines_in_words
+from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_arguments import all_named, arguments_named
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 from ros2lab.diagnose.sources.signatures import heads_of, signature_of
@@ -41,25 +41,6 @@ def kind_faults(source: PythonSource) -> Iterator[Finding]:
                 yield Finding("launch-argument", cause, source.at(value), fix)
     yield from _plain_words(source)
     yield from _included_kinds(source)
-    yield from _texts_for_actions(source)
-
-
-def _texts_for_actions(source: PythonSource) -> Iterator[Finding]:
-    """Yield texts in lists of actions, often code that was put out of use by quotes."""
-    for call in calls_of_launch(source):
-        given = [value for name, value in named_arguments(source, call) if _takes_actions(source, call, name)]
-        items = (item for value in given for item in getattr(source.written(value), "elts", ()))
-        for text in map(source.written, items):
-            if isinstance(text, ast.JoinedStr) or isinstance(getattr(text, "value", None), str):
-                last = text.end_lineno or text.lineno
-                what = lines_in_words(text.lineno, last) if last > text.lineno else ast.unparse(text)
-                cause = f"{ast.unparse(call.func)} takes actions, such as Node(...), but a text is among them, so launch stops."
-                fix = f"remove {what}; code that is to be left out is marked with # instead of quotes"
-                yield Finding("launch-argument", cause, source.at(text), fix)
-
-
-def _takes_actions(source: PythonSource, call: ast.Call, name: str) -> bool:
-    return "LaunchDescriptionEntity]" in _type(source, call, name)
 
 
 def _included_kinds(source: PythonSource) -> Iterator[Finding]:

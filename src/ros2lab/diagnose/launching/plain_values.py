@@ -161,17 +161,17 @@ def passed_on(source: PythonSource, name: str) -> str:
     written = written or f"{next(homes, '')}.LaunchConfiguration".lstrip(".")
     value = f"{written}('{name}')"
     more = "".join(f", with `{line}` at the top" for line in missing_imports(source, value))
-    where = f"the Node on line {nodes[0].lineno}" if len(nodes) == 1 else "a node"
-    given = [k.value for call in nodes for k in call.keywords if k.arg == "parameters"]
-    for row in (
-        item for value in given for item in walk(source.written(value)) if isinstance(item, ast.Dict)
-    ):
-        for key, old in zip(row.keys, row.values, strict=True):
-            if isinstance(key, ast.Constant) and key.value == name and len(nodes) == 1:
+    row = f"{{'{name}': {value}}}"
+    if len(nodes) != 1:
+        return f"pass it to a node, as one of its parameters: {row}{more}" if nodes else ""
+    where = f"the Node on line {nodes[0].lineno}"
+    given = next((k.value for k in nodes[0].keywords if k.arg == "parameters"), None)
+    for known in walk(source.written(given)) if given else ():
+        for key, old in zip(getattr(known, "keys", ()), getattr(known, "values", ()), strict=False):
+            if isinstance(key, ast.Constant) and key.value == name:
                 return f"write {value} instead of {ast.unparse(old)} on line {old.lineno}{more}"
-    fix = f"pass it to {where}: parameters=[{{'{name}': {value}}}]"
-    fix = f"add {{'{name}': {value}}} to the parameters of {where}" if given else fix
-    return f"{fix}{more}" if nodes else ""
+    fix = f"add {row} to the parameters of {where}" if given else f"pass it to {where}: parameters=[{row}]"
+    return f"{fix}{more}"
 
 
 def takers(source: PythonSource, name: str) -> list[ast.Call]:

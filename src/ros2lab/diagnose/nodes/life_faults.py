@@ -23,7 +23,7 @@ from ros2lab.diagnose.nodes.unreached import unreached, unreached_faults
 from ros2lab.diagnose.nodes.waits_for_others import waits_for_another
 from ros2lab.diagnose.sources.answered import ends_open, plain_returns, unanswered
 from ros2lab.diagnose.sources.entrance import SPINNING, Entrance
-from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.one_run import in_loops, is_always_reached, may_end, own_calls, run_once
 from ros2lab.diagnose.sources.python_source import (
     Function,
@@ -44,6 +44,7 @@ from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import calls_in, calls_of
 
+_ASKED = "create_service"  # its callback answers, so that it can only wait itself until it has done what it is asked for
 _TRANSITIONS = frozenset(
     f"on_{transition}"
     for transition in ("configure", "activate", "deactivate", "cleanup", "shutdown", "error")
@@ -117,7 +118,7 @@ def _agrees(node: ast.Return) -> bool:
 def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
     running: list[tuple[PythonSource, Function, NodeClass | None, str]] = []
     # What a service shares with others waits for its answer.
-    for creation, function in sorted(sources.callbacks(), key=lambda made: not _answers(made[0])):
+    for creation, function in sorted(sources.callbacks(), key=lambda made: made[0].method != _ASKED):
         running.append((creation.source, function, creation.owner, f"the callback {function.name}"))
     for node_class in sources.nodes:
         if "__init__" in node_class.methods:
@@ -375,7 +376,9 @@ def _waits(
 ) -> Iterator[Finding]:
     """Yield spins in callbacks and constructors, and the first call in a function that blocks a callback for long."""
     is_alone = not has_others_than(sources, owner, functions[0])
-    asked = [made for made, function in sources.callbacks() if function is functions[0] and _answers(made)]
+    asked = [
+        made for made, function in sources.callbacks() if function is functions[0] and made.method == _ASKED
+    ]
     # Where there is no other callback, a service may take its time, and a loop may be all that the node does.
     is_free = what == "the constructor" or uses_threads(sources, source) or (is_alone and bool(asked))
     for function in functions:
@@ -398,11 +401,6 @@ def _waits(
                 group = "callback_group=MutuallyExclusiveCallbackGroup()"
                 fix = f"write {threads[0]}, and add {group} to create_service(...) on line {asked[0].call.lineno}, {GROUP_IMPORTED}"
             yield Finding("callback-waits", cause, source.at(node), fix)
-
-
-def _answers(creation: Creation) -> bool:
-    """Return whether a callback answers, and so can only wait itself until what it was asked for is done."""
-    return creation.method == "create_service"
 
 
 def _rests(call: ast.Call, name: str) -> bool:

@@ -6,8 +6,8 @@ import re
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from portable_ros2.new_package import NewPackage
 from ros2lab.diagnose.finding import Finding, at, line_with
+from ros2lab.diagnose.sources.cmake_programs import commands_in
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
 
@@ -52,36 +52,6 @@ def launches_left(package: SourcePackage) -> Iterator[Finding]:
     yield Finding("not-in-data-files", cause, place, fix, tuple(path.name for path in files))
 
 
-_COMMAND = re.compile(r"^\s*(\w+)\s*\(", re.MULTILINE)
-# Those that make no program, or name it.
-_PLAIN = re.compile(
-    r"add_executable|add_library|install|ament_(?:target|export|python_install)_\w+|target_\w+|rosidl_generate_interfaces"
-)
-
-
-def _commands(text: str) -> set[str]:
-    """Return the commands of a CMakeLists.txt besides those that `ros2 pkg create` writes, which make nothing yet."""
-    begun = NewPackage("new", "ament_cmake", 3, "", "", "", "", []).render("ament_cmake/CMakeLists.txt")
-    return {*_COMMAND.findall(text.lower())} - {*_COMMAND.findall(begun)}
-
-
-def programs_of(package: SourcePackage) -> list[str] | None:
-    """Return the programs that a CMakeLists.txt makes or installs by their names; None if there may be others."""
-    text = package.cmake
-    taken = re.findall(r"\binstall\s*\(\s*PROGRAMS\b([^()]*?)DESTINATION", text)
-    names = re.findall(r"\badd_executable\s*\(\s*(\S+)", text) + [
-        name for row in taken for name in row.split()
-    ]
-    is_open = re.search(r"RENAME|SCRIPTS_DESTINATION|DIRECTORY[^()]*DESTINATION\s+lib", text)
-    if (
-        is_open
-        or any("$" in name.rpartition("/")[2] for name in names)
-        or not all(map(_PLAIN.fullmatch, _commands(text)))
-    ):
-        return None
-    return [name.strip('"').rpartition("/")[2] for name in names]
-
-
 def python_alone(package: SourcePackage) -> list[str]:
     """Return the Python files that a CMake package does not install, those of one folder; none if it has, or names, anything to compile."""
     endings = ("cpp", "c", "cc", "msg", "srv", "action")
@@ -95,7 +65,7 @@ def python_alone(package: SourcePackage) -> list[str]:
     names = ("__init__.py", "setup.py")
     files = [path for folder in folders for path in sorted(folder.glob("*.py")) if path.name not in names]
     text = package.cmake
-    makes = _commands(text) - {"install"}
+    makes = commands_in(text) - {"install"}
     groups = package.manifest.member_of_groups if package.manifest else ()
     if compiled or makes or groups or ".py" in text or _installs_by_folder(text, files, package):
         return []

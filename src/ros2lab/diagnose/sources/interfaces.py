@@ -363,13 +363,10 @@ def only_field(class_name: str) -> str:
 _MOST_METHODS = 12
 
 
-def methods_of(class_name: str, *, with_properties: bool = True) -> str:
-    """Return the public methods of an installed class, perhaps with its properties, joined by commas; empty if none."""
+def methods_of(class_name: str) -> str:
+    """Return the public methods and properties of an installed class, joined by commas; empty if none."""
     found = next((class_in(home, class_name) for home in homes_of(class_name)), None)
-    methods = [node for node in found.body if isinstance(node, ast.FunctionDef)] if found else []
-    defined = [
-        m.name for m in methods if with_properties or "property" not in map(ast.unparse, m.decorator_list)
-    ]
+    defined = [node.name for node in found.body if isinstance(node, ast.FunctionDef)] if found else []
     return ", ".join([*dict.fromkeys(name for name in defined if not name.startswith("_"))][:_MOST_METHODS])
 
 
