@@ -90,6 +90,12 @@ def test_a_program_that_is_gone_is_like_none(tmp_path: Path, executable: str, fi
     assert [finding.fix for finding in told(tmp_path, files, "launch-executable")] == [fix]
 
 
+def test_of_entry_points_that_are_not_known_nothing_is_told(tmp_path: Path) -> None:
+    files = Files.right(NAMES[1]).change("setup.py", "entry_points={", "entry_points=found() or {")
+    files.put("launch/more.launch.py", launching("Node(package='my_bot', executable='wheel_speed'),"))
+    assert told(tmp_path, files, "launch-executable") == []
+
+
 def test_what_an_included_file_starts_is_told_of_that_file(tmp_path: Path) -> None:
     files = Files.right(NAMES[1])
     files.put("launch/a.launch.py", launching("Node(package='my_bot', executable='talkers'),"))

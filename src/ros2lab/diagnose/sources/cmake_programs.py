@@ -28,10 +28,7 @@ def programs_of(package: SourcePackage) -> list[str] | None:
         name for row in taken for name in row.split()
     ]
     is_open = re.search(r"RENAME|SCRIPTS_DESTINATION|DIRECTORY[^()]*DESTINATION\s+lib", text)
-    if (
-        is_open
-        or any("$" in name.rpartition("/")[2] for name in names)
-        or not all(map(_PLAIN.fullmatch, commands_in(text)))
-    ):
+    is_open = is_open or any("$" in name.rpartition("/")[2] for name in names)
+    if is_open or not package.is_built_by_cmake or not all(map(_PLAIN.fullmatch, commands_in(text))):
         return None
     return [name.strip('"').rpartition("/")[2] for name in names]
