@@ -28,7 +28,12 @@ def programs_of(package: SourcePackage) -> list[str] | None:
         name for row in taken for name in row.split()
     ]
     is_open = re.search(r"RENAME|SCRIPTS_DESTINATION|DIRECTORY[^()]*DESTINATION\s+lib", text)
-    is_open = is_open or any("$" in name.rpartition("/")[2] for name in names)
-    if is_open or not package.is_built_by_cmake or not all(map(_PLAIN.fullmatch, commands_in(text))):
+    has_variable = any("$" in name.rpartition("/")[2] for name in names)
+    if (
+        is_open
+        or has_variable
+        or not package.is_built_by_cmake
+        or not all(map(_PLAIN.fullmatch, commands_in(text)))
+    ):
         return None
     return [name.strip('"').rpartition("/")[2] for name in names]
