@@ -14,6 +14,7 @@ from ros2lab.diagnose.printed.spots import Spot, spot_of
 from ros2lab.diagnose.sources.python_source import parameters
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.judging.player import finds_no_keyboard
+from ros2lab.trial.failing import with_values
 
 UNKNOWN_WORD = "dance"  # means nothing to any robot
 
@@ -98,7 +99,7 @@ def explained(seen: Seen, run: Run, name: str) -> Iterator[Finding]:
     if not read_error(said).reports or finds_no_keyboard(said) or lacks_arguments(seen, said):
         return  # nobody types while a program is watched
     if explained := [found for found in of_text(said, seen.look.root) if found.code != UNKNOWN]:
-        yield explained[0]
+        yield with_values(explained[0], seen.errors)
         return
     word = word_that_ended(run)
     when = "by itself" if word is None else f"when {word!r} comes on {run.commanded}"

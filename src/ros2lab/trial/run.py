@@ -37,6 +37,7 @@ from ros2lab.grading.watching.job import Job, Program
 from ros2lab.grading.watching.observe import SHOWN, Observer
 from ros2lab.scratch import scratch_folder
 from ros2lab.trial.ends import UNKNOWN_WORD
+from ros2lab.trial.held_back import with_reasons
 from ros2lab.trial.retold import without_retold
 from ros2lab.trial.seen import Seen, seen_faults
 from ros2lab.trial.story import told_of
@@ -97,19 +98,22 @@ def try_out(
             runs = observer.watch(jobs)
         noted = witnessed(notes, look)
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
-    seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :])
+    seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :], noted.unreached.record.errors)
     called = noted.called
     shown = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
-    read = [finding for finding in read if not is_contradicted(finding, look, noted)]
+    read = [
+        finding
+        for finding in read
+        if not is_contradicted(finding, look, noted) and finding.place not in noted.told
+    ]
     possible = (finding for finding in shown if noted.ran.isdisjoint(finding.never))
     found = [*noted.wrong, *without_retold(possible, read, look)]
-    # A condition that is never true may be intended, but may also explain other findings.
-    conditions = [*noted.steady, *(noted.never if not found else ())]
+    found, others, read = with_reasons(found, read, noted, seen)
     story = [
         *(told_of(seen, run, called) for run in seen.alone),
-        *(f"{finding.cause} ({finding.place})" for finding in conditions),
+        *(f"{note.cause} ({note.place})" for note in others),
     ]
-    return Trial(ranked([*found, *(noted.never if found else ())]), story, read)
+    return Trial(ranked(found), story, read)
 
 
 def _why_none(look: Look) -> str:

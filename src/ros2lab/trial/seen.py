@@ -30,6 +30,7 @@ from ros2lab.rhythm import has_period, median_gap
 from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
 from ros2lab.trial.ends import UNKNOWN_WORD, ended_together, explained, is_told_alone, made, needs_others
 from ros2lab.trial.made_by_words import is_made_by_words
+from ros2lab.trial.record import Error
 from ros2lab.trial.timers import pauseless
 from ros2lab.trial.unended import unended_faults
 from ros2lab.trial.unspun import unspun_fault
@@ -50,12 +51,14 @@ class Seen:
         assignment: which commands were sent, and where.
         alone: a run of each program.
         together: a run of all programs; empty if there is only one program.
+        errors: the exceptions that were noted in the runs.
     """
 
     look: Look
     assignment: Assignment
     alone: Sequence[Run]
     together: Sequence[Run]
+    errors: Sequence[Error] = ()
 
     @cached_property
     def _ends(self) -> list[Any]:
@@ -274,7 +277,7 @@ def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
             continue
         why, fix = _why_silent(ends)
         cause = f"{run.programs[0]} has a publisher on {topic}, but published nothing there while it was watched{why}."
-        yield Finding("publishes-nothing", cause, seen.place(topic), fix)
+        yield Finding("publishes-nothing", cause, seen.place(topic), fix, (run.programs[0],))
 
 
 def _is_managed(end: Any) -> bool:

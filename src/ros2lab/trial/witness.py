@@ -1,8 +1,9 @@
-"""Records the conditions, loops and objects of some files inside a running program; imports nothing of ros2lab.
+"""Records the tests, statements, exceptions and objects of some files inside a running program; imports nothing of ros2lab.
 
-Programs import it as `sitecustomize`. At exit each process writes a file: for each condition, how often it was
-true and false and what was compared the last time; for each loop, how many iterations it had each time; which
-functions were called, on objects of which classes; and which statements came to their end. Nothing else in the program changes, and a file that cannot be instrumented is left as it is.
+Programs import it as `sitecustomize`. At exit each process writes a file: for each test, how often it was true and
+false and what was compared; for each statement, how often it came to its end, and for each function how often it was
+called, on objects of which classes; for each loop, how many iterations it had each time; and which exceptions were
+caught or ended the program, with the values in the line that failed. Nothing else changes.
 """
 
 # Every program imports it first, so it must not import pathlib.
@@ -13,77 +14,128 @@ import atexit
 import builtins
 import contextlib
 import importlib.machinery
+import itertools
 import json
 import math
 import operator
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sized
-from types import CodeType
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sized
+from types import CodeType, FrameType, TracebackType
 from typing import Any
 
 WATCHED = "ROS2LAB_WITNESS"  # holds the folder for the notes, and the folders of the files to watch
-_CONDITIONS, _LOOPS, _CALLS = "ros2lab_conditions", "ros2lab_loops", "ros2lab_calls"
-_OBJECTS, _DONE = "ros2lab_objects", "ros2lab_done"
-_SIMPLE = (ast.Expr, ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Import, ast.ImportFrom, ast.Delete)
-_LONGEST, _MOST_TIMES = 60, 1000
-_SHORT = frozenset(
-    ("rclpy.duration", "rclpy.time", "datetime", "enum")
-)  # modules whose objects have a short repr
+_TESTS, _LOOPS, _MARKS = "ros2lab_tests", "ros2lab_loops", "ros2lab_marks"
+_OBJECTS, _CAUGHT = "ros2lab_objects", "ros2lab_caught"
+_EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
+_DEFINED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
+_LONGEST, _LONGEST_MESSAGE, _MOST_TIMES, _MOST_ERRORS, _MOST_VALUES, _FIRST = 60, 200, 1000, 50, 12, 4
+_PLAIN = frozenset((int, float, bool, str, bytes, type(None)))
+_NUMBERS = frozenset((int, float))
+_HOLDERS = frozenset((list, tuple, dict, set, frozenset, deque, range, str, bytes))
+_SHORT = frozenset(("rclpy.duration", "rclpy.time", "datetime", "enum"))  # whose objects have a short repr
 _SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
-    ast.Eq: operator.eq,
-    ast.NotEq: operator.ne,
-    ast.Lt: operator.lt,
-    ast.LtE: operator.le,
-    ast.Gt: operator.gt,
-    ast.GtE: operator.ge,
+    **{ast.Eq: operator.eq, ast.NotEq: operator.ne, ast.Is: operator.is_, ast.IsNot: operator.is_not},
+    **{ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge},
     ast.In: lambda left, right: left in right,
     ast.NotIn: lambda left, right: left not in right,
-    ast.Is: operator.is_,
-    ast.IsNot: operator.is_not,
 }
 
 
+class _Words(str):
+    """What is shown of a value that is not kept."""
+
+    __repr__ = str.__str__
+
+
 def _shown(value: object) -> str:
-    """Return a short repr of a value, quickly: a condition may be evaluated a thousand times a second."""
+    """Return a short text for a value, quickly: a test may be evaluated a thousand times a second."""
     try:
-        if isinstance(value, (str, bytes)):
-            return repr(value[:_LONGEST])
-        is_short = value is None or isinstance(value, (int, float)) or type(value).__module__ in _SHORT
-        return repr(value)[:_LONGEST] if is_short else f"a {type(value).__name__}"
+        kind = type(value)
+        if kind in _PLAIN:
+            return repr(value[:_LONGEST] if isinstance(value, (str, bytes)) else value)[: _LONGEST + 2]
+        name = f"{'an' if kind.__name__[0] in 'AEIOUaeio' else 'a'} {kind.__name__}"
+        if kind in _HOLDERS:
+            return f"{name} of {len(value)}" if value else f"an empty {kind.__name__}"  # type: ignore[arg-type]
+        is_short = isinstance(value, (int, float)) or kind.__module__ in _SHORT
+        return repr(value)[:_LONGEST] if is_short else name
     except Exception:
         return "?"
 
 
-class _Condition:
-    """How often a condition was true and false, the values of its sides the last time, and whether they changed.
+class _Side:
+    """One side of a test: its last value, or words for what may change; the bounds of a number; and whether it changed."""
 
-    Of two floats that are not equal, also the values with which they nearly were.
-    """
-
-    def __init__(self, sign: Callable[[Any, Any], Any] = operator.eq) -> None:
-        self.sign = sign
-        self.held = self.failed = 0
-        self.sides: list[str] = []
-        self.near: list[str] = []
+    def __init__(self) -> None:
+        self.last: Any = self  # no value yet
+        self.low: Any = None
+        self.high: Any = None
         self.has_changed = False
 
-    def noted(self, result: Any, *sides: object) -> Any:
+    def note(self, value: Any) -> None:
+        kind, last = type(value), self.last
+        if kind not in _PLAIN:
+            value = _Words(_shown(value))
+        elif value is last:
+            return
+        elif kind in _NUMBERS:
+            if self.low is None:
+                self.low = self.high = value
+            elif value < self.low:
+                self.low = value
+            elif value > self.high:
+                self.high = value
+        elif kind is not bool and value is not None:
+            value = value[:_LONGEST]
+        if last is not self and not self.has_changed:
+            self.has_changed = last != value or type(last) is not type(value)
+        self.last = value
+
+    def told(self) -> list[Any]:
+        last = self.last if isinstance(self.last, _Words) else _shown(self.last)
+        bounds = [_shown(self.low), _shown(self.high)] if self.low != self.high else []
+        return ["" if self.last is self else last, self.has_changed, bounds]
+
+
+class _Test:
+    """How often a test was true and false, with its sides; of two floats, also the values with which they nearly were equal."""
+
+    def __init__(self, sides: int, sign: Callable[[Any, Any], Any] | None = None) -> None:
+        self.sign, self.sides = sign, tuple(_Side() for _ in range(sides))
+        self.held = self.failed = 0
+        self.near: list[str] = []
+
+    def outcome(self, result: Any) -> Any:
+        """Return the truth of a result; the result itself if it has none, so that the program fails as without."""
         try:
-            holds = bool(result)
+            holds = True if result else False  # noqa: SIM210 -- faster
         except Exception:
             return result
         self.held, self.failed = self.held + holds, self.failed + (not holds)
-        shown = [_shown(side) for side in sides]
-        self.has_changed |= bool(self.sides) and shown != self.sides
-        self.sides = shown
-        kinds = {*map(type, sides)}
-        if self.sign is operator.eq and not holds and float in kinds and kinds <= {float, int}:
-            self.near = shown if math.isclose(*sides, rel_tol=1e-9, abs_tol=1e-9) else self.near  # type: ignore[arg-type]
-        return result
+        return holds
+
+    def seen(self, value: Any) -> Any:
+        self.held += 1
+        return self.side(0, value)
+
+    def noted(self, value: Any) -> Any:
+        self.sides[0].note(value)
+        return self.outcome(value)
+
+    def side(self, place: int, value: Any) -> Any:
+        self.sides[place].note(value)
+        return value
 
     def compared(self, left: Any, right: Any) -> Any:
-        return self.noted(self.sign(left, right), left, right)
+        result = self.sign(left, right)  # type: ignore[misc]
+        self.sides[0].note(left)
+        self.sides[1].note(right)
+        if self.sign is operator.eq and (type(left) is float or type(right) is float):
+            kinds = {type(left), type(right)}
+            if kinds <= _NUMBERS and not result and math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-9):
+                self.near = [_shown(left), _shown(right)]
+        return self.outcome(result)
 
 
 class _Loop:
@@ -107,66 +159,211 @@ class _Loop:
                 self.turns.append((done, type(values).__name__, least, is_left))
 
 
-def _stands_first(node: ast.stmt) -> bool:
-    """Return whether a statement may have to be the first of its file: a docstring, or an import of the future."""
+def is_marked(node: ast.AST) -> bool:
+    """Return whether a statement is counted: it is no definition, and need not be the first of its file."""
     is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-    return is_text or (isinstance(node, ast.ImportFrom) and node.module == "__future__")
+    is_of_future = isinstance(node, ast.ImportFrom) and node.module == "__future__"
+    return isinstance(node, ast.stmt) and not (is_text or is_of_future or isinstance(node, _DEFINED))
 
 
 class _Noting(ast.NodeTransformer):
-    """Instruments each condition, each loop, each function and each simple statement of a file."""
+    """Instruments each test, each loop, each function, each `except` and each statement of a file."""
 
     def __init__(self, path: str) -> None:
         self.path = path
-        self.conditions: dict[str, _Condition] = {}
+        self.tests: dict[str, _Test] = {}
         self.loops: dict[str, _Loop] = {}
+        self.marks: dict[str, Callable[[], int]] = {}
 
     def visit(self, node: ast.AST) -> Any:
         self.generic_visit(node)
-        if isinstance(node, (ast.If, ast.While, ast.IfExp)):
+        if isinstance(node, (ast.If, ast.While, ast.IfExp, ast.Assert)):
             node.test = self._condition(node.test)
-        elif isinstance(node, ast.For):
-            self.loops[self._key(node.iter)] = _Loop()
-            node.iter = self._call(node.iter, _LOOPS, "over", node.iter)
+        elif isinstance(node, ast.comprehension):
+            node.ifs = [*map(self._condition, node.ifs)]
+        elif isinstance(node, (ast.For, ast.AsyncFor)):
+            node.body.insert(0, self._mark(node.target, node.body[0]))
+            if isinstance(node, ast.For):
+                self.loops[self._key(node.iter)] = _Loop()
+                node.iter = self._call(node.iter, _LOOPS, "over", node.iter)
+        elif isinstance(node, ast.Match):
+            node.subject = self._test(node.subject, "seen", _Test(1), node.subject)
+        elif isinstance(node, ast.match_case):
+            node.guard = node.guard and self._condition(node.guard)
+            node.body.insert(0, self._mark(node.pattern, node.body[0]))
+        elif isinstance(node, ast.ExceptHandler):
+            node.body.insert(0, self._noting(_CAUGHT, node.body[0], ast.Constant(self._key(node))))
         elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-            key = ast.Constant(self._key(node))
-            noting = ast.Call(ast.Attribute(ast.Name(_CALLS, ast.Load()), "add", ast.Load()), [key], [])
-            has_text = ast.get_docstring(node, clean=False) is not None
-            node.body.insert(int(has_text), ast.copy_location(ast.Expr(noting), node.body[0]))
+            place, first = int(ast.get_docstring(node, clean=False) is not None), node.body[0]
+            node.body.insert(place, self._mark(node, first))
             if given := [*node.args.posonlyargs, *node.args.args][:1]:  # of a method, the object
-                shown = ast.Call(ast.Name(_OBJECTS, ast.Load()), [ast.Name(given[0].arg, ast.Load())], [])
-                node.body.insert(int(has_text), ast.copy_location(ast.Expr(shown), node.body[0]))
-        elif isinstance(node, _SIMPLE) and not _stands_first(node):
-            noting = ast.Call(ast.Name(_DONE, ast.Load()), [ast.Constant(self._key(node))], [])
-            return [node, ast.copy_location(ast.Expr(noting), node)]
-        return node
+                node.body.insert(place, self._noting(_OBJECTS, first, ast.Name(given[0].arg, ast.Load())))
+        if not is_marked(node):
+            return node
+        mark = self._mark(node, node)  # type: ignore[arg-type]
+        return [mark, node] if isinstance(node, _EXITS) else [node, mark]
 
     def _condition(self, test: ast.expr) -> ast.expr:
         match test:
-            case ast.BoolOp(values=values):
-                test.values = [self._condition(value) for value in values]
+            case ast.Constant():
+                return test
             case ast.UnaryOp(op=ast.Not(), operand=inner):
                 test.operand = self._condition(inner)
+                return test
+            case ast.BoolOp(values=values):
+                test.values = [*map(self._condition, values)]
+                return self._test(test, "outcome", _Test(0), test)
             case ast.Compare(left=left, ops=[sign], comparators=[right]):
-                self.conditions[self._key(test)] = _Condition(_SIGNS[type(sign)])
-                return self._call(test, _CONDITIONS, "compared", left, right)
-        return test
+                return self._test(test, "compared", _Test(2, _SIGNS[type(sign)]), left, right)
+            case ast.Compare(left=left, comparators=others):
+                noting, parts = _Test(1 + len(others)), [left, *others]
+                test.left, *test.comparators = (
+                    part
+                    if isinstance(part, ast.Constant)
+                    else self._test(test, "side", noting, ast.Constant(place), part)
+                    for place, part in enumerate(parts)
+                )
+                return self._test(test, "outcome", noting, test)
+        return self._test(test, "noted", _Test(1), test)
 
-    def _key(self, node: ast.expr | ast.stmt) -> str:
-        return f"{self.path}:{node.lineno}:{node.col_offset}"
+    def _test(self, node: ast.expr, method: str, noting: _Test, *given: ast.expr) -> ast.expr:
+        self.tests[self._key(node)] = noting
+        return self._call(node, _TESTS, method, *given)
+
+    def _key(self, node: Any) -> str:
+        return f"{self.path}:{node.lineno}:{node.col_offset}:{node.end_lineno}:{node.end_col_offset}"
+
+    def _mark(self, node: ast.AST, beside: ast.stmt) -> ast.stmt:
+        """Return a statement that counts how often it is reached, in the name of a node."""
+        key = self._key(node)
+        self.marks[key] = itertools.count().__next__
+        found = ast.Subscript(ast.Name(_MARKS, ast.Load()), ast.Constant(key), ast.Load())
+        return ast.copy_location(ast.Expr(ast.Call(found, [], [])), beside)
+
+    def _noting(self, name: str, beside: ast.stmt, given: ast.expr) -> ast.stmt:
+        return ast.copy_location(ast.Expr(ast.Call(ast.Name(name, ast.Load()), [given], [])), beside)
 
     def _call(self, node: ast.expr, holder: str, method: str, *given: ast.expr) -> ast.expr:
         found = ast.Subscript(ast.Name(holder, ast.Load()), ast.Constant(self._key(node)), ast.Load())
         return ast.copy_location(ast.Call(ast.Attribute(found, method, ast.Load()), [*given], []), node)
 
 
-def _written(kind: type) -> tuple[str, str]:
-    """Return the file in which a class is written, and its name there."""
-    file = getattr(sys.modules.get(kind.__module__), "__file__", None)
-    return os.path.realpath(file or ""), kind.__qualname__
+class _Errors:
+    """The exceptions that were caught, or that ended the program: where they were raised, and the values there."""
+
+    def __init__(self, paths: Mapping[str, object]) -> None:
+        self.paths = paths
+        self.found: dict[tuple[str, str, str], list[Any]] = {}
+
+    def caught(self, key: str) -> None:
+        """Note the exception that is being handled, under the key of its `except`."""
+        self.note(key, sys.exc_info()[1])
+
+    def ended(self) -> None:
+        """Note the exception that ended the program, with the one that it came from."""
+        if error := getattr(sys, "last_value", None):
+            self.note("", error)
+            self.note("", error.__cause__ or error.__context__)
+
+    def note(self, key: str, error: BaseException | None) -> None:
+        with contextlib.suppress(Exception):
+            known = key, type(error).__name__, str(error)[:_LONGEST_MESSAGE]
+            if error is not None and known not in self.found and len(self.found) < _MOST_ERRORS:
+                frames = [*_frames(error.__traceback__, self.paths)]
+                lines = [f"{frame.f_code.co_filename}:{line}:0:{line}:0" for frame, line in frames]
+                self.found[known] = [*known, 0, lines, _values(*frames[-1]) if frames else []]
+            self.found[known][3] += 1
 
 
-def _watch(folders: tuple[str, ...], conditions: dict[str, _Condition], loops: dict[str, _Loop]) -> None:
+def _frames(trace: TracebackType | None, paths: Mapping[str, object]) -> Iterator[tuple[FrameType, int]]:
+    """Yield the frames of a traceback that are in watched files, each with its line, the outermost first."""
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename in paths:
+            yield trace.tb_frame, trace.tb_lineno
+        trace = trace.tb_next
+
+
+def _values(frame: FrameType, line: int) -> list[tuple[str, str, int | None]]:
+    """Return the values in the statement at a line of a frame: the text of each, what is shown of it, and its length."""
+    with open(frame.f_code.co_filename, "rb") as file:
+        statements = [node for node in ast.walk(ast.parse(file.read())) if isinstance(node, ast.stmt)]
+    around = (node for node in statements if node.lineno <= line <= (node.end_lineno or 0))
+    statement = max(around, key=lambda node: (node.lineno, node.col_offset))
+    is_head = hasattr(statement, "body")
+    parts = [n for n in ast.iter_child_nodes(statement) if not is_head or isinstance(n, ast.expr)]
+    names = {**frame.f_globals, **frame.f_locals}
+    found: dict[str, tuple[str, str, int | None]] = {}
+    for node in itertools.chain.from_iterable(map(ast.walk, parts)):
+        if not isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.BinOp)):
+            continue
+        if not isinstance(getattr(node, "ctx", None), (ast.Store, ast.Del)) and len(found) < _MOST_VALUES:
+            with contextlib.suppress(Exception):
+                text = ast.unparse(node)
+                found[text] = (text, *_described(_evaluated(node, names)))
+    return [*found.values()]
+
+
+def _evaluated(node: ast.AST, names: Mapping[str, Any]) -> Any:
+    """Return the value of an expression without running code of the program; raises an error if that cannot be."""
+    with contextlib.suppress(ValueError):
+        return ast.literal_eval(node)
+    if isinstance(node, ast.Name):
+        return names[node.id]
+    if isinstance(node, ast.Call) and ast.unparse(node.func) == "len" and "len" not in names:
+        found = _evaluated(node.args[0], names)
+        return len(found) if type(found) in _HOLDERS else names["len"]
+    fields = dict(ast.iter_fields(node))
+    parts = {name: _evaluated(part, names) for name, part in fields.items() if isinstance(part, ast.expr)}
+    if isinstance(node, ast.Attribute):
+        return _attribute(parts["value"], node.attr)
+    kinds, owner = {*map(type, parts.values())}, type(parts.get("value"))
+    is_sum = isinstance(node, ast.BinOp) and not isinstance(node.op, (ast.Pow, ast.LShift))
+    is_of_holder = owner in _HOLDERS or owner.__module__ in ("array", "numpy")
+    is_element = isinstance(node, ast.Subscript) and is_of_holder and kinds - {owner} <= _PLAIN | {slice}
+    if not (is_element or isinstance(node, ast.Slice) or (is_sum and kinds <= _NUMBERS)):
+        raise LookupError
+    if isinstance(node, ast.Slice):
+        return slice(*map(parts.get, fields))
+    whole = type(node)(**{**fields, **{name: ast.Name(name) for name in parts}})
+    return eval(ast.unparse(whole), {}, parts)  # noqa: S307 -- of numbers, or of an element
+
+
+def _attribute(owner: Any, name: str) -> Any:
+    """Return an attribute that an object holds itself, or a field of a message."""
+    with contextlib.suppress(AttributeError):
+        own: dict[str, Any] = object.__getattribute__(owner, "__dict__")
+        if name in own:
+            return own[name]
+    if hasattr(type(owner), "get_fields_and_field_types"):
+        return object.__getattribute__(owner, f"_{name}")
+    for kind in type(owner).__mro__:
+        if type(value := vars(kind).get(name)) in _PLAIN and name in vars(kind):
+            return value
+    raise LookupError
+
+
+def _described(value: Any) -> tuple[str, int | None]:
+    """Return what is shown of a value, with the first of its elements, and its length; None without one."""
+    kind = type(value)
+    if kind.__name__ in ("module", "function", "method", "builtin_function_or_method", "type"):
+        raise LookupError
+    if kind.__module__ == "numpy" and hasattr(value, "shape"):
+        return f"an array of shape {value.shape} and type {value.dtype}", len(value)
+    shown = _shown(value)
+    if kind is str or kind is bytes:
+        return shown, len(value)
+    if kind not in _HOLDERS and kind.__module__ != "array":
+        return shown, None
+    first = ", ".join([*map(_shown, itertools.islice(value, _FIRST)), *["..."][: len(value) > _FIRST]])
+    words = f"a dict with {first}" if kind is dict else f"{shown} ({first})"
+    return (words if value else shown), len(value)
+
+
+def _file_of(kind: type) -> str:
+    return os.path.realpath(getattr(sys.modules.get(kind.__module__), "__file__", None) or "")
+
+
+def _watch(folders: tuple[str, ...], watched: Callable[[_Noting], None]) -> None:
     """Instrument the files in some folders when they are imported."""
     loader = importlib.machinery.SourceFileLoader
     plain = loader.get_code
@@ -181,8 +378,7 @@ def _watch(folders: tuple[str, ...], conditions: dict[str, _Condition], loops: d
             code: CodeType = compile(tree, path, "exec", dont_inherit=True)
         except Exception:
             return plain(self, name)
-        conditions.update(noting.conditions)
-        loops.update(noting.loops)
+        watched(noting)  # a file that cannot be instrumented is left as it is
         return code
 
     setattr(loader, "get_code", get_code)  # noqa: B010 -- a method of the standard library
@@ -192,40 +388,50 @@ def _begin() -> None:
     folder, *folders = os.environ.get(WATCHED, "").split(os.pathsep)
     if not folders:
         return
-    conditions: dict[str, _Condition] = {}
+    tests: dict[str, _Test] = {}
     loops: dict[str, _Loop] = {}
-    setattr(builtins, _CONDITIONS, conditions)
-    setattr(builtins, _LOOPS, loops)
-    calls: set[str] = set()
-    setattr(builtins, _CALLS, calls)
-    done: set[str] = set()
-    setattr(builtins, _DONE, done.add)
+    marks: dict[str, Callable[[], int]] = {}
     kinds: dict[int, type] = {}
+    paths: dict[str, None] = {}
+    errors = _Errors(paths)
 
     def note_object(found: object) -> None:
         kinds[id(type(found))] = type(found)
 
-    setattr(builtins, _OBJECTS, note_object)
+    def watched(noting: _Noting) -> None:
+        tests.update(noting.tests)
+        loops.update(noting.loops)
+        marks.update(noting.marks)
+        paths[noting.path] = None
+
+    held = (
+        (_TESTS, tests),
+        (_LOOPS, loops),
+        (_MARKS, marks),
+        (_OBJECTS, note_object),
+        (_CAUGHT, errors.caught),
+    )
+    for name, holder in held:
+        setattr(builtins, name, holder)
 
     def write() -> None:
-        asked = {
-            key: condition for key, condition in conditions.items() if condition.held or condition.failed
-        }
+        errors.ended()
         told = {
-            "conditions": {
-                key: [found.held, found.failed, found.sides, found.has_changed, found.near]
-                for key, found in asked.items()
+            "tests": {
+                key: [test.held, test.failed, [side.told() for side in test.sides], test.near]
+                for key, test in tests.items()
+                if test.held or test.failed
             },
-            "calls": dict.fromkeys(calls),
-            "done": dict.fromkeys(done),
-            "classes": [*map(_written, kinds.values())],
+            "marks": {key: count for key, mark in marks.items() if (count := mark())},
+            "errors": [*errors.found.values()],
+            "classes": [(_file_of(kind), kind.__qualname__) for kind in kinds.values()],
             "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
         }
         with open(os.path.join(folder, f"{os.getpid()}.json"), "w", encoding="utf-8") as file:
             json.dump(told, file)
 
     atexit.register(write)
-    _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), conditions, loops)
+    _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), watched)
 
 
 def _make_room() -> None:

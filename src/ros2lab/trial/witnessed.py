@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import ast
 import contextlib
-import json
 import os
 import shutil
-from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,8 +17,11 @@ from ros2lab.diagnose.finding import Finding, fails_there
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import spot_at
 from ros2lab.diagnose.sources.one_run import is_always_reached
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.spelling import with_article
+from ros2lab.trial.held_back import swallowed
+from ros2lab.trial.record import Record, Spot, Test, node_at
+from ros2lab.trial.unreached import Unreached
 from ros2lab.trial.witness import WATCHED
 
 LEAST = 3  # evaluations of a condition, or runs of a loop
@@ -28,8 +29,8 @@ MOST = 3  # conditions that are reported
 # Codes that the sources alone may lead to, too: they are reported once per file.
 NOTED = frozenset(("changed-in-loop", "used-up", "never-equal"))
 _ONCE = frozenset(("map", "zip", "filter", "generator", "enumerate", "reversed", "islice", "chain"))
+_SIMPLE = (ast.Expr, ast.Assign, ast.AnnAssign, ast.AugAssign, ast.Import, ast.ImportFrom, ast.Delete)
 _DENIALS = (ast.NotEq, ast.NotIn, ast.IsNot)
-_Spot = tuple[PythonSource, int, int]  # a file, a line and a column
 
 
 def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, str]:
@@ -63,6 +64,8 @@ class Witnessed:
         steady: those about others, of which nothing that was compared ever changed: it may only not have come.
         called: what was called.
         done: the places of the statements that came to their end.
+        unreached: why others did not.
+        told: the places of the `except` clauses whose errors are among the findings.
     """
 
     wrong: list[Finding]
@@ -70,6 +73,8 @@ class Witnessed:
     steady: list[Finding]
     called: Called
     done: frozenset[str]
+    unreached: Unreached
+    told: frozenset[str]
 
     @cached_property
     def ran(self) -> set[str]:
@@ -84,57 +89,28 @@ def witnessed(folder: Path, look: Look) -> Witnessed:
         folder: the folder with the notes.
         look: the workspace.
     """
-    sources = [source for package in look.packages for source in look.sources(package).sources.values()]
-    by_text = {source.text: source for source in sources if source.path}
-    conditions: dict[_Spot, list[Any]] = {}
-    loops = defaultdict[_Spot, list[Any]](list)
-    called, done = set[tuple[PythonSource, int]](), set[str]()
-    for file in sorted((folder / "noted").glob("*.json")):
-        with contextlib.suppress(OSError, ValueError):
-            told = json.loads(file.read_text(encoding="utf-8"))
-            for spot, (held, failed, sides, *more) in _spots(told["conditions"], by_text):
-                was = conditions.get(spot, [0, 0, [], False, []])
-                # Two runs begin anew: their checks do not follow each other.
-                best = max((was, [held, failed, sides, *more]), key=lambda one: (len(one[4]), one[1]))
-                conditions[spot] = [was[0] + held, *best[1:]]
-            for spot, turns in _spots(told["loops"], by_text):
-                loops[spot] += turns
-            called |= {(source, line) for (source, line, _), _ in _spots(told["calls"], by_text)}
-            called |= {*_classes(told["classes"], by_text)}
-            done |= {source.at(line) for (source, line, _), _ in _spots(told["done"], by_text)}
-    never = [*_never_true(conditions)]
+    record = Record(folder, look)
+    never = [*_never_true(record.tests)]
     near, changed, steady = ([one for one, how in never if how == kind] for kind in ("near", "changed", ""))
+    unreached = Unreached(record, look)
+    hidden = [*swallowed(unreached)]
+    called = record.classes | {(source, node.lineno) for source, node in record.marked(Function)}
+    done = {source.at(node) for source, node in record.marked(_SIMPLE)}
     return Witnessed(
-        [*_cut_short(loops), *near], changed[:MOST], steady[:MOST], frozenset(called), frozenset(done)
+        [*_cut_short(record.loops), *near, *(finding for finding, _ in hidden)],
+        changed[:MOST],
+        steady[:MOST],
+        frozenset(called),
+        frozenset(done),
+        unreached,
+        frozenset(place for _, place in hidden),
     )
 
 
-def _spots(told: Mapping[str, Any], by_text: Mapping[str, PythonSource]) -> Iterator[tuple[_Spot, Any]]:
-    """Yield what was noted with its place in the sources, which an installed copy has by its text."""
-    for key, found in told.items():
-        path, line, column = key.rsplit(":", 2)
-        with contextlib.suppress(OSError, UnicodeError):
-            if source := by_text.get(Path(path).read_text(encoding="utf-8")):
-                yield (source, int(line), int(column)), found
-
-
-def _classes(
-    told: Sequence[Sequence[str]], by_text: Mapping[str, PythonSource]
-) -> Iterator[tuple[PythonSource, int]]:
-    """Yield where the classes of the objects are written."""
-    for path, name in told:
-        with contextlib.suppress(OSError, UnicodeError):
-            source = by_text.get(Path(path).read_text(encoding="utf-8"))
-            body: Sequence[ast.stmt] = source.tree.body if source else ()
-            for node in body:
-                if source and isinstance(node, ast.ClassDef) and node.name == name:
-                    yield source, node.lineno
-
-
-def _cut_short(loops: Mapping[_Spot, Sequence[Any]]) -> Iterator[Finding]:
+def _cut_short(loops: Mapping[Spot, Sequence[Any]]) -> Iterator[Finding]:
     """Yield loops over something that lost items meanwhile, or that yields its items only once."""
-    for (source, line, column), turns in loops.items():
-        node = _node(source, line, column, ast.expr)
+    for (source, line, *ends), turns in loops.items():
+        node = node_at((source, line, *ends), ast.expr)
         whole = [(done, kind, least) for done, kind, least, is_left in turns if not is_left]
         text = ast.unparse(node) if node else ""
         lost = next(((done, least) for done, _, least in whole if least and done < least), None)
@@ -155,29 +131,30 @@ def _is_used_up(whole: Sequence[Any]) -> bool:
     return is_once and whole[0][0] > 0 and not any(done for done, *_ in whole[1:])
 
 
-def _never_true(conditions: Mapping[_Spot, Sequence[Any]]) -> Iterator[tuple[Finding, str]]:
+def _never_true(tests: Mapping[Spot, Test]) -> Iterator[tuple[Finding, str]]:
     """Yield comparisons that were never true, and how far the two sides came: "near" each other, or "changed".
 
     Those with ==, and then the others, in the order of the files.
     """
     found = []
-    for (source, line, column), (held, failed, sides, has_changed, near) in conditions.items():
-        node = _node(source, line, column, ast.Compare)
-        if not isinstance(node, ast.Compare) or held or failed < LEAST or "None" in sides or len(sides) != 2:
+    for place, test in tests.items():
+        source, line, node = place[0], place[1], node_at(place, ast.Compare)
+        sides, near = [side.last for side in test.sides], test.near
+        if not isinstance(node, ast.Compare) or test.held or test.failed < LEAST or "None" in sides:
             continue
+        if len(sides) != 2 or isinstance(node.ops[0], _DENIALS) or _is_of_module(node):
+            continue  # a guard that never fires is as it should be, and so is an imported module's __name__
         left, right = ast.unparse(node.left), ast.unparse(node.comparators[0])
         is_equal = isinstance(node.ops[0], ast.Eq)
-        if isinstance(node.ops[0], _DENIALS) or _is_of_module(node):
-            continue  # a guard that never fires is as it should be, and so is an imported module's __name__
         shown = zip((left, right), near or sides, strict=True)
         last = " and ".join(f"{text} was {value}" for text, value in shown if text != value)
-        cause = f"During the run, `{ast.unparse(node)}` was never true in {failed} checks; at {'one of them' if near else 'the last one'}, {last}."
+        cause = f"During the run, `{ast.unparse(node)}` was never true in {test.checks} checks; at {'one of them' if near else 'the last one'}, {last}."
         change = _made_alike(*sides) if is_equal else ""
         above = min(at for at, compared_text in _compared(source) if compared_text == left)
         fix = compared_nearly(source, left, right) if near else f"check what {left} should be there"
         if change:
             fix = f"write `{left} = {left}{change}` above line {above}"
-        how = "near" if change or near else "changed" if has_changed else ""
+        how = "near" if change or near else "changed" if any(side.has_changed for side in test.sides) else ""
         finding = Finding("never-equal", cause, source.at(line), fix)
         found.append((not is_equal, source.shown, line, finding, how))
     yield from ((finding, how) for *_, finding, how in sorted(found, key=lambda row: row[:3]))
@@ -223,15 +200,3 @@ def _made_alike(shown: str, other_shown: str) -> str:
             }
             return next((change for change, text in made.items() if text == right), "")
     return ""
-
-
-def _node(source: PythonSource, line: int, column: int, kind: type[ast.expr]) -> ast.expr | None:
-    """Return the outermost expression of a kind that begins at a place; None if there is none."""
-    return next(
-        (
-            node
-            for node in source.nodes
-            if isinstance(node, kind) and (node.lineno, node.col_offset) == (line, column)
-        ),
-        None,
-    )

@@ -1,0 +1,175 @@
+"""What programs noted while they ran, by its place in the sources."""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import json
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.sources.python_source import PythonSource
+
+Spot = tuple[PythonSource, int, int, int, int]  # a file, the first line and column, and the last ones
+Value = tuple[str, str, int | None]  # an expression, what is shown of its value, and its length
+
+
+@dataclass(frozen=True)
+class Side:
+    """One side of a test: its last value, whether it changed, and the least and the greatest number; empty if it did not."""
+
+    last: str
+    has_changed: bool
+    bounds: Sequence[str]
+
+    def beside(self, other: Side) -> Side:
+        """Return it with what another run noted of it."""
+        numbers = sorted({*self.bounds, *other.bounds, *self._fixed, *other._fixed}, key=float)
+        has_changed = self.has_changed or other.has_changed or self.last != other.last
+        return Side(self.last, has_changed, [numbers[0], numbers[-1]] if len(numbers) > 1 else [])
+
+    @property
+    def _fixed(self) -> list[str]:
+        with contextlib.suppress(ValueError):
+            return [] if self.bounds or float(self.last) is None else [self.last]
+        return []
+
+
+@dataclass(frozen=True)
+class Test:
+    """How often a test was true and false in all runs; `checks` is how often it was evaluated in the run that tells most.
+
+    Attributes:
+        near: the values of two floats that were nearly equal, but not quite.
+    """
+
+    held: int
+    failed: int
+    checks: int
+    sides: Sequence[Side]
+    near: Sequence[str] = ()
+
+    def beside(self, other: Test) -> Test:
+        """Return it with what another run noted of it."""
+        first, second = sorted((self, other), key=lambda test: (len(test.near), test.checks), reverse=True)
+        sides = [side.beside(beside) for side, beside in zip(first.sides, second.sides, strict=True)]
+        return replace(first, held=self.held + other.held, failed=self.failed + other.failed, sides=sides)
+
+
+@dataclass(frozen=True)
+class Error:
+    """An exception that was caught, or that ended a program.
+
+    Attributes:
+        handler: the place of the `except` that caught it; None if it ended the program.
+        lines: the lines of the watched files in its traceback, the outermost first.
+        values: the values in the last of these lines, the first time.
+    """
+
+    handler: Spot | None
+    count: int
+    kind: str
+    message: str
+    lines: Sequence[tuple[PythonSource, int]]
+    values: Sequence[Value]
+
+    @property
+    def shown(self) -> str:
+        """Its last line in a traceback."""
+        return f"{self.kind}: {self.message}" if self.message else self.kind
+
+    @property
+    def place(self) -> str:
+        """The innermost line of a watched file; empty if there is none."""
+        return self.lines[-1][0].at(self.lines[-1][1]) if self.lines else ""
+
+
+class Record:
+    """What was noted in all runs.
+
+    Attributes:
+        marks: how often a statement came to its end, or an exit such as `return` was reached, a function was called,
+            the body of a `for` or a `case` was entered.
+        classes: where the classes of the objects are written.
+    """
+
+    def __init__(self, folder: Path, look: Look) -> None:
+        sources = [source for package in look.packages for source in look.sources(package).sources.values()]
+        self._by_text = {source.text: source for source in sources if source.path}
+        self._by_path: dict[str, PythonSource | None] = {}
+        self.tests: dict[Spot, Test] = {}
+        self.marks = defaultdict[Spot, int](int)
+        self.loops = defaultdict[Spot, list[Any]](list)
+        self.errors: list[Error] = []
+        self.classes: set[tuple[PythonSource, int]] = set()
+        for file in sorted((folder / "noted").glob("*.json")):
+            with contextlib.suppress(OSError, ValueError):
+                self._read(json.loads(file.read_text(encoding="utf-8")))
+
+    def count(self, source: PythonSource, node: ast.AST) -> int:
+        """Return how often what a node marks happened."""
+        return self.marks.get(spot(source, node), 0)
+
+    def marked(self, kinds: Any) -> Iterator[tuple[PythonSource, Any]]:
+        """Yield the marked syntax nodes of some kinds."""
+        for source in self._by_text.values():
+            nodes = (node for node in source.nodes if isinstance(node, kinds))
+            yield from ((source, node) for node in nodes if self.count(source, node))
+
+    def test(self, source: PythonSource, node: ast.AST) -> Test | None:
+        """Return what was noted of a test; None if it was never evaluated."""
+        return self.tests.get(spot(source, node))
+
+    def _read(self, told: Mapping[str, Any]) -> None:
+        for place, (held, failed, sides, near) in self._spots(told["tests"]):
+            test = Test(held, failed, held + failed, [Side(*side) for side in sides], near)
+            self.tests[place] = test.beside(self.tests[place]) if place in self.tests else test
+        for place, count in self._spots(told["marks"]):
+            self.marks[place] += count
+        for place, turns in self._spots(told["loops"]):
+            self.loops[place] += turns
+        for key, kind, message, count, lines, values in told["errors"]:
+            handler = self._spot(key) if key else None
+            places = [found[:2] for line in lines if (found := self._spot(line))]
+            self.errors.append(Error(handler, count, kind, message, places, [(*v,) for v in values]))
+        self.classes |= {*self._classes(told["classes"])}
+
+    def _spots(self, told: Mapping[str, Any]) -> Iterator[tuple[Spot, Any]]:
+        return ((place, found) for key, found in told.items() if (place := self._spot(key)))
+
+    def _spot(self, key: str) -> Spot | None:
+        path, *numbers = key.rsplit(":", 4)
+        source = self._source(path)
+        line, column, last, end = map(int, numbers)
+        return (source, line, column, last, end) if source else None
+
+    def _source(self, path: str) -> PythonSource | None:
+        """Return the file that was run, which an installed copy has by its text."""
+        if path not in self._by_path:
+            self._by_path[path] = None
+            with contextlib.suppress(OSError, UnicodeError):
+                self._by_path[path] = self._by_text.get(Path(path).read_text(encoding="utf-8"))
+        return self._by_path[path]
+
+    def _classes(self, told: Sequence[Sequence[str]]) -> Iterator[tuple[PythonSource, int]]:
+        for path, name in told:
+            source = self._source(path)
+            for node in source.tree.body if source else ():
+                if source and isinstance(node, ast.ClassDef) and node.name == name:
+                    yield source, node.lineno
+
+
+def spot(source: PythonSource, node: Any) -> Spot:
+    """Return the place of a syntax node."""
+    return source, node.lineno, node.col_offset, node.end_lineno, node.end_col_offset
+
+
+def node_at(place: tuple[Any, ...], kind: type[ast.expr]) -> ast.expr | None:
+    """Return the expression of a kind at a place; None if there is none."""
+    source: PythonSource = place[0]
+    nodes = (node for node in source.nodes if isinstance(node, kind))
+    return next((node for node in nodes if spot(source, node) == place), None)

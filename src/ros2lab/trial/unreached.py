@@ -1,0 +1,398 @@
+"""Explains why a statement was never reached in a run: which test, exit or exception kept it from that, and why.
+
+Each step is a fact of the run, or of the text: a statement was not reached because a test never changed, because an
+attribute was never set, because the statement that sets it was not reached.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+from ros2lab.diagnose.finding import in_a_row, these_lines
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.sources.node_source import is_self_attribute
+from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, walk
+from ros2lab.trial.failing import failed_with
+from ros2lab.trial.record import Error, Record, Side, Test
+from ros2lab.trial.witness import is_marked
+
+STEPS = 3  # from a statement to a value, from there to what sets it, and so on
+LONGEST = 70  # characters of a statement
+_EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
+_ORDERS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
+_LOOPS = (ast.For, ast.AsyncFor, ast.While)
+_Store = tuple[PythonSource, ast.stmt]
+
+
+@dataclass(frozen=True)
+class Reason:
+    """Why a statement was not reached.
+
+    Attributes:
+        text: as a clause.
+        place: the line that decides.
+        fix: what to do there; empty if that is not known.
+        is_open: whether it may only not have come so far: a number has not passed a limit.
+        on_the_way: the other lines that it tells of.
+    """
+
+    text: str
+    place: str
+    fix: str = ""
+    is_open: bool = False
+    on_the_way: tuple[str, ...] = ()
+
+    @property
+    def places(self) -> set[str]:
+        """All lines that it tells of."""
+        return {self.place, *self.on_the_way}
+
+    def after(self, text: str, *places: str) -> Reason:
+        """Return it as the reason of something else, at other places."""
+        return replace(self, text=f"{text}{self.text}", on_the_way=(*places, *self.on_the_way))
+
+    def only_if(self, test: ast.expr, truth: str) -> Reason:
+        """Return it as that of a test that is evaluated only after another one; as it is if it has a further reason."""
+        also = f"; that is only asked when `{ast.unparse(test)}` is {truth}"
+        return self if self.on_the_way else replace(self, text=f"{self.text}{also}")
+
+
+class Unreached:
+    """What was not reached in the runs of a workspace's programs.
+
+    Args:
+        record: what was noted while they ran.
+        look: the workspace.
+    """
+
+    def __init__(self, record: Record, look: Look) -> None:
+        self.record, self.look = record, look
+
+    def why(self, source: PythonSource, statement: ast.AST | None, steps: int = STEPS) -> Reason | None:
+        """Return why a statement never came to its end; None if that is not known."""
+        owner, block = _around(source, statement) if steps > 0 else (None, ())
+        for place, inner in enumerate(filter(is_marked, block)):
+            if not self.record.count(source, inner):
+                if place or self._entries(source, owner, block):
+                    return self._stuck(source, inner, steps)
+                return self._unentered(source, owner, block, steps)
+            if inner is statement or isinstance(inner, _EXITS):
+                break
+        return None
+
+    def _stuck(self, source: PythonSource, stuck: ast.stmt, steps: int) -> Reason | None:
+        """Return why a statement that was reached never came to its end: an exit in it, or an exception."""
+        exits = [
+            node
+            for node in own_nodes(stuck)
+            if isinstance(node, _EXITS) and self.record.count(source, node) and _leaves(source, node, stuck)
+        ]
+        most = max((self.record.count(source, node) for node in exits), default=0)
+        lines = range(stuck.lineno, (stuck.end_lineno or 0) + 1)
+        errors = [
+            e for e in self.record.errors if any(home is source and at in lines for home, at in e.lines)
+        ]
+        if any(error.handler is None for error in errors):
+            return None  # the program ended, which is told anyway
+        failed = max(errors, key=lambda error: error.count, default=None)
+        if failed and failed.count >= most:
+            return _caught(failed)
+        if len(exits) > 1:
+            text = (
+                f"it is left before, each time, on one of the {these_lines(sorted(n.lineno for n in exits))}"
+            )
+            return Reason(text, source.at(stuck))
+        return self._left(source, exits[0], stuck, steps) if exits else None
+
+    def _left(self, source: PythonSource, left: ast.stmt, stuck: ast.stmt, steps: int) -> Reason:
+        """Return why an exit inside a statement comes before what follows the statement."""
+        text = f"`{shown(left)}` on line {left.lineno} came first each time"
+        inner: ast.AST = left
+        while inner is not stuck and (around := source.above(inner)) is not None:
+            if isinstance(around, ast.If):
+                reason = self._constant(source, around.test, inner not in around.body, steps)
+                if reason:
+                    return reason.after(f"{text}, because ", source.at(left))
+            inner = around
+        return Reason(text, source.at(left))
+
+    def _entries(self, source: PythonSource, owner: ast.AST | None, block: Sequence[ast.stmt]) -> int:
+        """Return how often a block was begun, at least once or never."""
+        found = 0
+        match owner:
+            case ast.FunctionDef() | ast.AsyncFunctionDef():
+                found = self.record.count(source, owner)
+            case ast.If() | ast.While() if not isinstance(owner.test, ast.Constant):
+                found = self._outcomes(source, owner.test)[block is not owner.body]
+            case ast.For() | ast.AsyncFor() if block is owner.body:
+                found = self.record.count(source, owner.target)
+            case ast.match_case():
+                found = self.record.count(source, owner.pattern)
+            case ast.ExceptHandler():
+                found = any(e.handler and e.handler[:2] == (source, owner.lineno) for e in self.record.errors)
+            case ast.stmt():
+                around, siblings = _around(source, owner)
+                marked = [*filter(is_marked, siblings[: siblings.index(owner)])] if siblings else []
+                before = marked[-1] if marked else None
+                if before is not None:
+                    found = 0 if isinstance(before, _EXITS) else self.record.count(source, before)
+                elif around is not None:
+                    found = self._entries(source, around, siblings)
+        return found
+
+    def _unentered(
+        self, source: PythonSource, owner: ast.AST | None, block: Sequence[ast.stmt], steps: int
+    ) -> Reason | None:
+        """Return why a block was never begun."""
+        found: Reason | None = None
+        match owner:
+            case ast.FunctionDef() | ast.AsyncFunctionDef():
+                found = self._uncalled(source, owner, steps)
+            case ast.If() | ast.While() if any(self._outcomes(source, owner.test)):
+                found, around = (
+                    self._constant(source, owner.test, block is owner.body, steps),
+                    source.above(owner),
+                )
+                if found and isinstance(around, ast.If) and around.orelse == [owner]:
+                    found = found.only_if(around.test, "not true")
+            case ast.For() if self.record.count(source, owner):
+                loop = f"the loop over {ast.unparse(owner.iter)} on line {owner.lineno}"
+                found = Reason(f"{loop} had nothing to go through", source.at(owner))
+            case ast.match_case():
+                found = self._untaken(source, owner, steps)
+            case ast.stmt():
+                found = self.why(source, owner, steps)
+        return found
+
+    def _untaken(self, source: PythonSource, case: ast.match_case, steps: int) -> Reason | None:
+        match, line = source.above(case), case.pattern.lineno
+        seen = self.record.test(source, match.subject) if isinstance(match, ast.Match) else None
+        if not isinstance(match, ast.Match) or seen is None:
+            return self.why(source, match, steps)
+        if case.guard and any(self._outcomes(source, case.guard)):
+            return self._constant(source, case.guard, True, steps)
+        value = _of_side(ast.unparse(match.subject), seen.sides[0])
+        return Reason(f"`case {ast.unparse(case.pattern)}` was never taken ({value})", source.at(line))
+
+    def _outcomes(self, source: PythonSource, test: ast.expr) -> tuple[int, int]:
+        """Return how often a test was true and false."""
+        if isinstance(test, ast.UnaryOp) and isinstance(test.op, ast.Not):
+            held, failed = self._outcomes(source, test.operand)
+            return failed, held
+        found = self.record.test(source, test)
+        return (found.held, found.failed) if found else (0, 0)
+
+    def _constant(self, source: PythonSource, test: ast.expr, wanted: bool, steps: int) -> Reason | None:
+        """Return why a test was never true, or never false, as is `wanted`; None if it was, or was not evaluated."""
+        outcomes = self._outcomes(source, test)
+        if outcomes[not wanted] or not any(outcomes):
+            return None
+        match test:
+            case ast.UnaryOp(op=ast.Not(), operand=inner):
+                return self._constant(source, inner, not wanted, steps)
+            case ast.BoolOp(op=sign, values=values):
+                needs_all = isinstance(sign, ast.And) is wanted
+                reasons = [self._constant(source, value, wanted, steps) for value in values]
+                parts = [*filter(None, reasons)]
+                if parts and needs_all:
+                    place = reasons.index(parts[0])
+                    return parts[0].only_if(values[place - 1], str(wanted).lower()) if place else parts[0]
+                text = f"`{ast.unparse(test)}` was {_truth(wanted)} in {_checks(sum(outcomes))}"
+                if len(parts) == len(values):
+                    return replace(parts[0], text=" and ".join(part.text for part in parts))
+                return Reason(
+                    f"{text}{', although each part of it was at times' * needs_all}", source.at(test)
+                )
+        found = self.record.test(source, test)
+        return self._leaf(source, test, found, wanted, steps) if found else None
+
+    def _leaf(self, source: PythonSource, test: ast.expr, found: Test, wanted: bool, steps: int) -> Reason:
+        """Return why a test without parts never had a truth: what was compared, and why that did not change."""
+        parts = [test.left, *test.comparators] if isinstance(test, ast.Compare) else [test]
+        pairs = [*zip(map(ast.unparse, parts), parts, found.sides, strict=True)]
+        values = in_a_row([_of_side(text, side) for text, _, side in pairs if side.last not in ("", text)])
+        text = f"`{ast.unparse(test)}` was {_truth(wanted)} in {_checks(found.checks)}"
+        text = f"{text} ({values})" if values else text
+        if len(parts) == 1 and not found.sides[0].has_changed:
+            text = f"{pairs[0][0]} was {found.sides[0].last} in {_checks(found.checks)}"
+        fix = f"see whether `{ast.unparse(test)}` can be {str(wanted).lower()} at all, and what should change it"
+        is_order = isinstance(test, ast.Compare) and isinstance(test.ops[0], _ORDERS)
+        is_open = is_order and any(side.bounds for side in found.sides)
+        for _, part, side in pairs:
+            is_kept = is_self_attribute(part) and not side.has_changed and _is_plain(side.last)
+            if is_kept and (further := self._unset(source, part, side.last, steps - 1)):
+                return further.after(f"{text}, and ", source.at(test))
+        return Reason(text, source.at(test), fix, is_open)
+
+    def _unset(self, source: PythonSource, attribute: Any, value: str, steps: int) -> Reason | None:
+        """Return why an attribute of self kept a value: where it would have been set to another one, and why it was not."""
+        same, others = (
+            self._stores(attribute.attr, value) if steps > 0 and not self._sets_by_name else ([], [])
+        )
+        name, reached = ast.unparse(attribute), any(self.record.count(*store) for store in others)
+        again = [store for store in same if self.record.count(*store) and _name_around(*store) != "__init__"]
+        if reached and len(again) == 1:
+            ((home, node),) = again
+            fix = f"look at line {node.lineno}: it sets {name} to {value} again each time"
+            found = Reason(
+                f"line {node.lineno} set it to {value} {times(self.record.count(home, node))}",
+                home.at(node),
+                fix,
+            )
+        elif len(others) == 1 and reached:
+            ((home, node),) = others
+            found = Reason(f"line {node.lineno} sets it: `{shown(node)}`", home.at(node))
+        elif len(others) == 1:
+            ((home, node),) = others
+            text = f"the only other place that sets it, line {node.lineno} in {_name_around(home, node)}(), was not reached"
+            further = self.why(home, node, steps)
+            found = further.after(f"{text}: ") if further else Reason(text, home.at(node))
+        elif others and not reached:
+            lines = these_lines(sorted(node.lineno for _, node in others))
+            found = Reason(
+                f"nothing that sets it to another value was reached ({lines})", source.at(attribute)
+            )
+        else:
+            return self._never_set(source, attribute) if same and not others else None
+        return found
+
+    def _stores(self, name: str, value: str) -> tuple[list[_Store], list[_Store]]:
+        """Return the statements that set an attribute: to a constant with this value, and to anything else."""
+        same, others = list[_Store](), list[_Store]()
+        for home in self.look.files:
+            for node in home.nodes:
+                is_set = (
+                    isinstance(node, ast.Attribute)
+                    and node.attr == name
+                    and not isinstance(node.ctx, ast.Load)
+                )
+                if is_set and (statement := statement_of(home, node)):
+                    given = (
+                        getattr(statement, "value", None)
+                        if not isinstance(statement, ast.AugAssign)
+                        else None
+                    )
+                    is_same = isinstance(given, ast.Constant) and repr(given.value) == value
+                    (same if is_same else others).append((home, statement))
+        return same, others
+
+    def _never_set(self, source: PythonSource, attribute: Any) -> Reason:
+        """Return what is said of an attribute that is never set to another value: perhaps a local variable is instead."""
+        name, text = ast.unparse(attribute), "nothing in the code sets it to another value"
+        for node in walk(source.class_at(attribute.lineno) or source.tree):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and node.id == attribute.attr:
+                text += f": line {node.lineno} sets only a local variable {node.id}"
+                return Reason(
+                    text, source.at(node), f"write {name} instead of {node.id} on line {node.lineno}"
+                )
+        return Reason(text, source.at(attribute), f"set {name} where it should change")
+
+    def _uncalled(self, source: PythonSource, function: Any, steps: int) -> Reason | None:
+        """Return why a function was never called: nothing calls it, what calls it was not reached, or no message came."""
+        text, place = f"{function.name}() was never called", source.at(function)
+        for sources in map(self.look.sources, self.look.packages):
+            for creation, callback in sources.callbacks():
+                if callback is function:
+                    topic = sources.value(creation.source, creation.given("topic"))
+                    is_topic = creation.method == "create_subscription" and isinstance(topic, str)
+                    return Reason(f"{text}: it received nothing on {topic}", place) if is_topic else None
+        named = [
+            (home, node)
+            for home in self.look.files
+            for node in home.nodes
+            if function.name in (getattr(node, "attr", ""), getattr(node, "id", ""))
+        ]
+        if not named and not function.decorator_list and not function.name.startswith(("__", "on_")):
+            return Reason(f"{text}: nothing calls it", place, f"call {function.name}() where it is needed")
+        home, statement = (named[0][0], statement_of(*named[0])) if len(named) == 1 else (source, None)
+        if statement is None or self.record.count(home, statement):
+            return Reason(text, place)
+        further = self.why(home, statement, steps - 1)
+        text = f"{text}, as line {statement.lineno}, which calls it, was not reached"
+        return further.after(f"{text}: ") if further else Reason(text, place)
+
+    @cached_property
+    def _sets_by_name(self) -> bool:
+        """Whether anything sets attributes by names that are not in the text."""
+        words = ("setattr", "__dict__", "vars")
+        nodes = (node for source in self.look.files for node in source.nodes)
+        return any(getattr(node, "attr", getattr(node, "id", "")) in words for node in nodes)
+
+
+def statement_of(source: PythonSource, node: ast.AST) -> ast.stmt | None:
+    """Return the statement around an expression."""
+    found: ast.AST | None = node
+    while found is not None and not isinstance(found, ast.stmt):
+        found = source.above(found)
+    return found
+
+
+def shown(node: ast.AST) -> str:
+    """Return the text of a statement on one line, shortened."""
+    text = ast.unparse(node).splitlines()[0]
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
+
+
+def times(count: int) -> str:
+    """Return how often something happened, in words."""
+    return {1: "once", 2: "twice"}.get(count, f"{count} times")
+
+
+def _around(source: PythonSource, statement: ast.AST | None) -> tuple[ast.AST | None, Sequence[ast.stmt]]:
+    """Return what a statement is in, and the statements of its block there."""
+    owner = source.above(statement) if statement is not None else None
+    blocks = (getattr(owner, name, None) for name in ("body", "orelse", "finalbody"))
+    return owner, next((b for b in blocks if isinstance(b, list) and statement in b), ())
+
+
+def _name_around(source: PythonSource, node: ast.stmt) -> str:
+    return getattr(source.function_at(node.lineno), "name", "")
+
+
+def _leaves(source: PythonSource, node: ast.AST, stuck: ast.stmt) -> bool:
+    """Return whether an exit inside a statement leaves the statement too, and not only a loop in it."""
+    around: ast.AST | None = node
+    while around is not None and not isinstance(node, (ast.Return, ast.Raise)):
+        if isinstance(around, _LOOPS):
+            return False
+        if around is stuck:
+            break
+        around = source.above(around)
+    return True
+
+
+def _caught(error: Error) -> Reason:
+    """Return what is said of an exception that an `except` caught."""
+    source, line = error.lines[-1]
+    handler = error.handler[1] if error.handler else 0
+    text = f"line {line} failed with {failed_with(error)}, which the `except` on line {handler} caught {times(error.count)}"
+    fix = f"correct line {line}, and let the `except` show the error that it catches"
+    return Reason(text, source.at(line), fix, on_the_way=(source.at(handler),))
+
+
+def _of_side(text: str, side: Side) -> str:
+    """Return the values that one side of a test had, as a clause."""
+    if side.bounds:
+        least, most = (f"{float(bound):.6g}" for bound in side.bounds)
+        return f"{text} was between {least} and {most}"
+    return f"{text} was {side.last} {'the last' if side.has_changed else 'each'} time"
+
+
+def _is_plain(value: str) -> bool:
+    try:
+        ast.literal_eval(value)
+    except (ValueError, SyntaxError):
+        return False
+    return True
+
+
+def _truth(wanted: bool) -> str:
+    return "never true" if wanted else "always true"
+
+
+def _checks(count: int) -> str:
+    return f"{count} checks" if count > 1 else "the only check"
