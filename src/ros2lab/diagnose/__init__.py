@@ -1,7 +1,7 @@
 """Explain errors, and faults that no tool reports: what causes them and how to fix them.
 
-No student code is imported or run: files are parsed, and texts are read.
-Only launch files are loaded, by launch itself, in a process that can only read and compute.
+Files are parsed, and texts are read. Only launch files are loaded, by launch itself, and a setup.py that may tell
+setuptools something in another way than usual is run up to its command line, in a process that can only read and compute.
 """
 
 from __future__ import annotations

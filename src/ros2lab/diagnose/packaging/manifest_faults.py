@@ -388,7 +388,8 @@ def _undeclared(package: SourcePackage, own: Collection[str], homes: Mapping[str
                     if name == module
                     else f"{module}, which the package {name} brings, but package.xml does not declare {name}"
                 )
-                cause = f"{source.shown} imports {what}: it may be missing on another machine, and colcon may build in the wrong order."
+                order = ", and colcon may build in the wrong order" if name in own else ""
+                cause = f"{source.shown} imports {what}: it may be missing on another machine{order}."
                 fix = f"add <depend>{name}</depend> to package.xml"
                 yield Finding("dependency-undeclared", cause, source.at(imported.line), fix, (name,))
 

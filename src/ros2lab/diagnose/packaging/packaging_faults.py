@@ -24,6 +24,7 @@ from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults
 from ros2lab.diagnose.packaging.file_patterns import dead_pattern
 from ros2lab.diagnose.packaging.installed import prefix_of
+from ros2lab.diagnose.packaging.setup_run import taken_by_setuptools
 from ros2lab.diagnose.packaging.setup_shapes import as_meant, like, meant_name, shape_faults
 from ros2lab.diagnose.sources.file_texts import read_toml
 from ros2lab.diagnose.sources.interfaces import INDEX
@@ -55,10 +56,10 @@ def packaging_faults(
     yield from path_faults(setup.source)
     told = {setup.source.at(node.end_lineno) for node, _ in setup.beside.values()}
     yield from (one for one in comma_faults(setup.source, "setup-syntax") if one.place not in told)
-    if setup.call is None:
+    is_sure = any(getattr(statement, "value", None) is setup.call for statement in setup.source.tree.body)
+    if not (setup.call and is_sure) and taken_by_setuptools(package).get("is_called") is False:
         cause = "setup.py never calls setup(), so nothing is installed."
-        fix = "call setup(...) from setuptools"
-        yield Finding("setup-missing", cause, setup.source.shown, fix)
+        yield Finding("setup-missing", cause, setup.source.shown, "call setup(...) from setuptools")
         return
     yield from keys_twice(setup.source)
     yield from _taken_over(package, setup)
@@ -290,7 +291,9 @@ def _scripts(package: SourcePackage) -> dict[str, tuple[str, str]]:
 def _cfg_faults(package: SourcePackage, lost: str) -> Iterator[Finding]:
     shown = package.shown("setup.cfg")
     if not package.has("setup.cfg"):
-        yield Finding("setup-cfg-missing", f"setup.cfg is missing, so {lost}.", shown, _cfg_fix(package))
+        if into := _kept_out(package, "install"):
+            cause = f"setup.cfg is missing, so {lost} {into}."
+            yield Finding("setup-cfg-missing", cause, shown, _cfg_fix(package))
         return
     config, fault = read_cfg(read_text(package.folder / "setup.cfg"))
     sections = _scripts(package) if fault is None else {}  # otherwise `_cfg_form` reports it
@@ -304,6 +307,14 @@ def _cfg_faults(package: SourcePackage, lost: str) -> Iterator[Finding]:
             yield from found
 
 
+def _kept_out(package: SourcePackage, section: str) -> str:
+    """Say into which wrong folder setuptools puts executables, wherever that is set; empty if it is the right one."""
+    key, right = _scripts(package)[section]
+    folder = taken_by_setuptools(package).get(key) or "bin"
+    is_right = folder.rstrip("/") == right
+    return "" if is_right else f"into {folder.removeprefix('$base/')}, where `ros2 run` does not look"
+
+
 def _lost(package: SourcePackage) -> str:
     """Say which executables `ros2 run` does not find without a right setup.cfg; empty if none, as far as is known."""
     if package.copied is None:
@@ -312,8 +323,7 @@ def _lost(package: SourcePackage) -> str:
     left = [point.name for point in package.points if point.name not in there]
     if package.points and not left:
         return ""
-    what = f"{' and '.join(left)} {'go' if len(left) > 1 else 'goes'}" if there else "the executables go"
-    return f"{what} into bin, where `ros2 run` does not look"
+    return f"{' and '.join(left)} {'go' if len(left) > 1 else 'goes'}" if there else "the executables go"
 
 
 def _cfg_fix(package: SourcePackage) -> str:
@@ -342,10 +352,12 @@ def _cfg_section(
     elif near:
         cause = f"setup.cfg has {near} in [{section}], but the option is called {key}."
     elif value is None and section == "install":
-        cause = f"setup.cfg has no {key} in [{section}], so {lost}."
+        cause = f"setup.cfg has no {key} in [{section}], so {lost} {_kept_out(package, section)}."
     elif value is not None and not value.strip().rstrip("/").endswith(wanted):
         cause = f"setup.cfg installs the executables in {value.strip()}, but `ros2 run` looks in {wanted}."
     else:
+        return
+    if not _kept_out(package, section):
         return
     # The other section may be wrong as well, which is told apart.
     text = read_text(package.folder / "setup.cfg")

@@ -233,9 +233,8 @@ def _take_configuration(script: SetupScript, folder: Path) -> None:
     given |= dict.fromkeys({"package_dir", "py_modules", "scripts"} & {*options}, UNKNOWN)
     if parser.has_option("metadata", "name"):
         given["name"] = parser.get("metadata", "name")
-    if fault or re.search(
-        r"^\[(?:project|tool\.setuptools)", read_text(folder / "pyproject.toml"), re.MULTILINE
-    ):
+    is_elsewhere = re.compile(r"^\[(?:project|tool\.setuptools)", re.MULTILINE).search
+    if fault or script.call is None or is_elsewhere(read_text(folder / "pyproject.toml")):
         given = dict.fromkeys(_KEYWORDS, UNKNOWN) | given
     for keyword, value in given.items():
         script.keywords.setdefault(keyword, value)
