@@ -41,7 +41,7 @@ IMPORTS = (
     ("from launch.actions import *", "from launch.actions import ACTIONS"),
     ("from launch_ros.actions import *", "from launch_ros.actions import ROS"),
 )
-ACTIONS = "DeclareLaunchArgument, GroupAction, IncludeLaunchDescription, LogInfo, SetEnvironmentVariable, SetLaunchConfiguration, TimerAction"
+ACTIONS = "DeclareLaunchArgument, GroupAction, IncludeLaunchDescription, LogInfo, OpaqueFunction, SetEnvironmentVariable, SetLaunchConfiguration, TimerAction"
 ROS = "Node, PushRosNamespace, SetParameter, SetRemap"
 TAKES = "DeclareLaunchArgument('max_speed', default_value='0.2'), talker(parameters=[{'period': LaunchConfiguration('max_speed')}])"
 
@@ -123,10 +123,42 @@ def test_an_argument_that_the_included_file_does_not_have(tmp_path: Path, given:
     assert [fix in said for said in found] == [True] * bool(fix)
 
 
+OTHER_USES = {
+    "a parameter": "talker(parameters=[{'speed': 1.0}])",
+    "a node": "talker(name='speed')",
+    "a topic": "talker(remappings=[('robot/status', 'speed')])",
+    "a word": "LogInfo(msg='speed')",
+    "a description": "DeclareLaunchArgument('size', default_value='1', description='the speed'), talker(name=LaunchConfiguration('size'))",
+}
+
+
+@pytest.mark.parametrize("use", OTHER_USES.values(), ids=OTHER_USES)
+def test_a_name_that_the_included_file_has_for_something_else(tmp_path: Path, use: str) -> None:
+    (said,) = told(tmp_path, file("include('one.launch.py', speed='0.9')"), one=file(TAKES, use))
+    assert said.startswith("one.launch.py has no argument speed")
+
+
+@pytest.mark.parametrize(("read", "count"), [("max_speed", 1), ("speed", 0)])
+def test_a_name_in_an_included_file_in_xml(tmp_path: Path, read: str, count: int) -> None:
+    inner = NODE.replace("/>", f'><param name="speed" value="$(var {read})"/></node>')
+    files = Files.right(NAME)
+    text = f'<launch><arg name="max_speed" default="1"/>{inner}</launch>'
+    files.texts |= {"src/my_bot/launch/one.launch.xml": text, "src/my_bot/launch/all.launch.xml": INCLUDING}
+    found = of_workspace(files.write(tmp_path))
+    assert [one.code for one in found if "has no argument speed" in one.cause] == ["launch-unused"] * count
+
+
+INCLUDING = (
+    '<launch><include file="$(dirname)/one.launch.xml"><arg name="speed" value="2"/></include></launch>\n'
+)
+
+
 @pytest.mark.parametrize(
     "one",
     [
         "talker(parameters=[{'period': LaunchConfiguration('speed')}])",
+        "talker(name=LaunchConfiguration(variable_name='speed'))",
+        "OpaqueFunction(function=lambda context: [LogInfo(msg=context.launch_configurations['speed'])])",
         "include('two.launch.py')",
     ],
 )

@@ -19,7 +19,6 @@ _LineOf = Callable[[Any], "int | None"]
 _OF_SCOPES = re.compile(r"(Push|Pop|Reset)(Environment|LaunchConfigurations)$")
 
 _NAMESPACE = "ros_namespace"  # where launch keeps it
-_INCLUDES = re.compile(r"IncludeLaunchDescription\s*\(|<include\b|\binclude:")
 
 
 @dataclass
@@ -151,7 +150,7 @@ class InOrder:
         ]
 
     def _compare(self, include: Any, following: Sequence[Any], context: Any) -> None:
-        """Note the arguments that an included file is given and does not have; nothing where it may hand them on."""
+        """Note the arguments that an included file is given and does not declare."""
         from launch import LaunchDescription
         from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 
@@ -162,14 +161,10 @@ class InOrder:
         self._scopes[-1].setters |= dict.fromkeys(names, include)
         (description,) = (one for one in following if isinstance(one, LaunchDescription))
         path = Path(include.launch_description_source.location)
-        text = path.read_text(encoding="utf-8", errors="replace")
         takes = [argument.name for argument in description.get_launch_arguments()]
         free = sorted({*takes} - {*names})
-        for name in names:
-            is_named = re.search(rf"(?<!\w){re.escape(name)}(?!\w)", text)
-            if free and not is_named and not _INCLUDES.search(text):
-                found = {"name": name, "file": path.name, "free": free, "line": self._line_of(include)}
-                self.lost.append(found)
+        place = {"path": str(path.resolve()), "free": free, "line": self._line_of(include)}
+        self.lost += [{"name": name, **place} for name in names if free and name not in takes]
 
 
 def _state(context: Any) -> tuple[dict[str, Any], dict[str, str]]:

@@ -8,8 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with
+from ros2lab.diagnose.launching.launch_arguments import all_named
 from ros2lab.diagnose.launching.launch_file import entities_below, entities_in
-from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.launching.launch_kinds import READING
+from ros2lab.diagnose.sources.python_source import read_source, read_text
 from ros2lab.diagnose.sources.spelling import nearest, nothing_like
 
 
@@ -41,21 +43,33 @@ def _as_written(text: str, kind: str) -> str:
 
 
 def unknown_arguments(path: Path, shown: str, lost: Sequence[Mapping[str, Any]]) -> Iterator[Finding]:
-    """Yield the arguments that a launch file gives one that it includes, and that this one does not have."""
+    """Yield the arguments that a launch file gives one that it includes, and that this one neither has nor reads."""
     text = read_text(path)
     for found in lost:
-        name, free = found["name"], found["free"]
-        alike = [other for other in free if {*name.split("_")} & {*other.split("_")}]
+        name, free, other = found["name"], found["free"], Path(found["path"])
+        if _may_read(other, name):
+            continue
+        alike = [one for one in free if {*name.split("_")} & {*one.split("_")}]
         meant = nearest(name, free) or (alike[0] if len(alike) == 1 else "")
         has = in_a_row(free)
-        cause = f"{found['file']} has no argument {name}, so it is ignored; it has {has}."
+        cause = f"{other.name} has no argument {name}, so it is ignored; it has {has}."
         fix = (
-            f"write {meant!r} instead of {name!r}"
-            if meant
-            else nothing_like(name, found["file"], is_own=True)
+            f"write {meant!r} instead of {name!r}" if meant else nothing_like(name, other.name, is_own=True)
         )
         place = _line_from(text, found["line"], name)
         yield Finding("launch-unused", cause, at(shown, place), f"{fix}, and build again")
+
+
+def _may_read(path: Path, name: str) -> bool:
+    """Return whether a launch file may read a launch argument, or hand it on to a file that it includes."""
+    text, word = read_text(path), re.escape(name)
+    if re.search(r"IncludeLaunchDescription\s*\(|<include\b|\binclude:", text):
+        return True
+    if path.suffix != ".py":
+        return re.search(rf"\$\(var\s+['\"]?{word}\b", text) is not None
+    read = all_named(read_source(path, path.stem, path.name), *READING)
+    is_asked = "launch_configurations" in text and re.search(rf"['\"]{word}['\"]", text)
+    return read is None or name in read or bool(is_asked)
 
 
 def fixed(path: Path, shown: str) -> Iterator[Finding]:
