@@ -68,6 +68,8 @@ def test_a_section_is_for_the_node_that_declares_its_parameters(tmp_path: Path) 
 
 
 CLOCK = "parameters=[{'use_sim_time': True}]"
+ARGUMENT = "DeclareLaunchArgument('use_sim_time', default_value='VALUE')"
+ASKED = CLOCK.replace("True", "LaunchConfiguration('use_sim_time')")
 
 
 @pytest.mark.parametrize(
@@ -75,9 +77,11 @@ CLOCK = "parameters=[{'use_sim_time': True}]"
     [
         (OWN.replace("MORE", CLOCK), True),
         (f"{OWN.replace('MORE', CLOCK)}, Node(package='ros_gz_bridge', executable='bridge')", False),
+        (f"{ARGUMENT.replace('VALUE', 'true')}, {OWN.replace('MORE', ASKED)}", True),
+        (f"{ARGUMENT.replace('VALUE', 'false')}, {OWN.replace('MORE', ASKED)}", False),
+        (OWN.replace("MORE", ASKED.replace("time')", "time', default='true')")), True),
         (
-            "DeclareLaunchArgument('use_sim_time', default_value='true'), "
-            + OWN.replace("MORE", "parameters=[{'use_sim_time': LaunchConfiguration('use_sim_time')}]"),
+            f"DeclareLaunchArgument('simulator'), LogInfo(msg=LaunchConfiguration('simulator')), {OWN.replace('MORE', CLOCK)}",
             False,
         ),
     ],

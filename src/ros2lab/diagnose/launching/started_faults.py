@@ -158,7 +158,7 @@ def are_alone(files: Iterable[LaunchFile], packages: Packages) -> bool:
         return False
     for file in files:
         is_own = file.is_loaded and len(started_in(file, packages)) == len(file.nodes)
-        if not is_own or any("sim" in name for name in file.arguments or ()):
+        if not is_own or any("sim" in name for name in {*(file.arguments or ())} - {"use_sim_time"}):
             return False
     ends = [end for _, sources in packages.values() for end in ends_of(sources, unnamed=True)]
     sent = {end.topic for end in ends if end.is_publisher}
@@ -178,7 +178,7 @@ def started_faults(file: LaunchFile, packages: Packages, *, is_alone: bool) -> I
     nodes = started_in(file, packages)
     yield from filter(None, map(_renamed, nodes))
     if len(nodes) == len(file.nodes):  # otherwise another program may have the other end of a topic
-        yield from _without_clock(nodes) if is_alone else ()
+        yield from _without_clock(file, nodes) if is_alone else ()
         yield from _started_twice(nodes)
         yield from _apart(nodes)
 
@@ -226,12 +226,14 @@ def _started_twice(nodes: Sequence[Started]) -> Iterator[Finding]:
             yield Finding("launch-executable", cause, nodes[number].launched.place, fix)
 
 
-def _without_clock(nodes: Sequence[Started]) -> Iterator[Finding]:
+def _without_clock(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield parameters that make a node wait for simulated time that nothing publishes."""
     cause = "use_sim_time makes the node wait for simulated time on /clock, which nothing here publishes, so its timers never fire."
     for node in nodes:
         if node.launched.values.get("use_sim_time") is True:
-            fix = "set use_sim_time to False, or remove it, unless a simulator is running"
+            is_argument = "use_sim_time" in (file.arguments or ()) and not file.faults
+            fix = "make 'false' the default of the launch argument use_sim_time, or start it with use_sim_time:=false"
+            fix = f"{fix if is_argument else 'set use_sim_time to False, or remove it'}, unless a simulator is running"
             yield Finding("period", cause, node.launched.place, fix)
     for home, path in dict.fromkeys(
         (node.package, path)
