@@ -82,3 +82,75 @@ def test_what_is_told_is_taken(tmp_path: Path, lines: str, fix: str) -> None:
     begin = written[number][: len(written[number]) - len(written[number].lstrip())]
     written[number] = begin + finding.fix.removeprefix("write ").strip("`")
     assert run(tmp_path, "\n".join(written)) == ""
+
+
+ITEMS = {
+    "a text": ("[('speed', 1.0), ('turns')]", ":13", "write `('turns', '')` instead of `'turns'`"),
+    "a text on its line": (
+        "[('speed', 1.0),\n            'turns',\n        ]",
+        ":14",
+        "write `('turns', '')` instead of `'turns'`",
+    ),
+    "the first": ("[('speed'), ('turns', 2.0)]", ":13", "write `('speed', '')` instead of `'speed'`"),
+    "the only one": ("[('speed')]", ":13", "write `('speed',)` instead of `'speed'`"),
+    "too long": (
+        "[('speed', 1.0), ('turns', '', None, 2)]",
+        ":13",
+        "write `('turns', '')` instead of `('turns', '', None, 2)`",
+    ),
+    "of another variable": ("known", ":12", "write `('turns', '')` instead of `'turns'`"),
+    "turned round": ("[('speed', 1.0), (3, 'turns')]", ":13", ""),
+}
+DECLARES = """\
+import rclpy
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+
+class Arm(Node):
+    NUMBER = 3
+
+    def __init__(self):
+        super().__init__('arm')
+        self.number = 0
+        known = [('speed', 1.0), ('turns')]
+        self.declare_parameters('', LIST)
+
+
+rclpy.init()
+Arm()
+"""
+
+
+@pytest.mark.parametrize(("written", "line", "fix"), ITEMS.values(), ids=ITEMS)
+def test_an_item_of_another_form_is_told_by_its_index(
+    tmp_path: Path, written: str, line: str, fix: str
+) -> None:
+    text = DECLARES.replace("LIST", written)
+    finding, *_ = of_text(run(tmp_path, text), tmp_path)
+    assert finding.place.endswith(line)
+    assert finding.fix.partition(", with")[0] == fix
+    if fix:
+        old, new = (
+            part.strip("`") for part in reversed(finding.fix.partition(", with")[0][6:].split(" instead of "))
+        )
+        changed = text.splitlines()
+        number = int(line[1:]) - 1
+        changed[number] = changed[number].replace(f"({old})", old).replace(old, new, 1)
+        assert "index" not in run(tmp_path, "\n".join(changed))
+
+
+def test_an_item_of_another_class_is_the_one_that_is_told(tmp_path: Path) -> None:
+    text = DECLARES.replace(
+        "self.declare_parameters('', LIST)",
+        "self.declare_parameter('speed', 1.0); self.declare_parameter('turns', 1.0); self.set_parameters([Parameter('speed', value=1.0), ('turns', 2.0)])",
+    )
+    finding, *_ = of_text(run(tmp_path, text), tmp_path)
+    assert finding.fix == "write `Parameter('turns', value=2.0)` instead of `('turns', 2.0)`"
+
+
+def test_no_other_function_is_called_so_that_any_value_fits(tmp_path: Path) -> None:
+    text = DECLARES.replace("LIST", "[('speed', 1.0), 'turns']")
+    printed = run(tmp_path, text).replace("at index 1", "in it")
+    finding, *_ = of_text(printed, tmp_path)
+    assert "declare_parameter(" not in finding.fix

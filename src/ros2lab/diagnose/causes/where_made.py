@@ -18,6 +18,7 @@ from ros2lab.diagnose.causes.refused_value import of_refused
 from ros2lab.diagnose.causes.terminal_variables import of_variable
 from ros2lab.diagnose.causes.unfit_parameters import of_unfit_parameter
 from ros2lab.diagnose.causes.wrong_literals import of_wrong_literal
+from ros2lab.diagnose.checking.items import of_named_item
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, ErrorText
@@ -54,7 +55,8 @@ def _told_at_once(report: ErrorReport, spot: Spot, look: Look) -> Finding | None
     """Return what an error's message and its line tell together; None if they tell nothing."""
     kind, message = report.kind, report.message
     return (
-        of_parameter(message, spot)
+        of_named_item(message, spot)
+        or of_parameter(message, spot)
         or of_unfit_parameter(message, spot)
         or of_filled(message, spot)
         or of_item(message, spot)

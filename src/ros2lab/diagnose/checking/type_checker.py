@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
 from ros2lab.diagnose.checking.call_forms import (
     argument_at,
@@ -15,6 +16,7 @@ from ros2lab.diagnose.checking.call_forms import (
     rewritten,
 )
 from ros2lab.diagnose.checking.checked_copies import checked, first_that_stands
+from ros2lab.diagnose.checking.items import of_other_item
 from ros2lab.diagnose.checking.members import in_place_of, without_like
 from ros2lab.diagnose.checking.objections import Doubts, objections_of, owner_and_name
 from ros2lab.diagnose.checking.of_a_node import of_a_node
@@ -84,6 +86,8 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     short = owner.rpartition(".")[2]
     at_fault = argument_at(call, spot.line, int(row["column"]) - 1) if call else None
     if call and at_fault:
+        if rule == "invalid-argument-type" and (item := of_other_item(spot.source, at_fault)):
+            return replace(item, code="argument-type")
         said["value"] = _as_given(call, at_fault)
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import itertools
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -127,6 +128,9 @@ def _of_nothing(trial: Trial) -> Finding | None:
     return None
 
 
+_IS_FUNCTION = re.compile("bound method|def |\\(")
+
+
 def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:
     """Return the cheapest change that works, or a few equally likely ones; empty if there are many."""
     stands = trial.stands([change.edit for change in changes])
@@ -139,6 +143,11 @@ def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:
     unknown = {text for text, kind in kinds.items() if UNKNOWN_TYPE.search(kind)}
     # So a value of known type is never given up for one of unknown type.
     good = [c for c in good if not trial.kind(ast.unparse(c.edit.node)) or unknown.isdisjoint(asked[c])]
+    # Nor a function that takes the values there for one that takes any.
+    if all(row.rule == "invalid-argument-type" for row in trial.objections):
+        good = [
+            c for c in good if not (_IS_FUNCTION.match(kinds.get(c.edit.text, "")) and c.edit.text in unknown)
+        ]
     known = [c for c in good if c.cost == LESS or not UNKNOWN_TYPE.search(kinds.get(c.edit.text, ""))]
     for change in [*known, *(other for other in good if not other.is_one_of_many)]:
         same = [other.edit for other in known if other.cost == change.cost and other.is_one_of_many]
