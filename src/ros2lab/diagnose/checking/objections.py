@@ -130,7 +130,7 @@ _OF_ARGUMENTS = frozenset(("too-many-positional-arguments", "unknown-argument", 
 
 def _is_of_def(name: str, owners: Mapping[PythonSource, NodeSources], known: Iterable[Finding]) -> bool:
     """Return whether the def of a function is wrong, and not its calls."""
-    told = {finding.place for finding in known if finding.code == CODE}
+    told = {finding.place for finding in known if finding.code in (CODE, "node-property")}
     named = (
         (found for source in owners for found in definitions(source) if found.name == name) if told else ()
     )

@@ -82,17 +82,48 @@ def _when_it_runs(
         case ast.If() | ast.IfExp():
             condition = f"IfCondition({ast.unparse(early[0])})"
             return f"{_WITHOUT_IF} condition={condition}, with `from launch.conditions import IfCondition`"
-        case ast.Call(func=ast.Attribute()):
-            joined = f"PathJoinSubstitution([{', '.join(map(ast.unparse, used))}])"
-            return f"write {joined}, with `from launch.substitutions import PathJoinSubstitution`"
         case ast.BinOp() | ast.Call() if (whole := _calculation(source, node, early)) is not None:
             made = f"PythonExpression([{', '.join(_parts(whole, early))}])"
             return f"write {made} instead of {ast.unparse(whole)}, with `from launch.substitutions import PythonExpression`"
-        case ast.FormattedValue():
-            text = next(n for n in source.nodes if isinstance(n, ast.JoinedStr) and node in n.values)
-            parts = [part.value if isinstance(part, ast.FormattedValue) else part for part in text.values]
-            return f"write [{', '.join(map(ast.unparse, parts))}] instead of {ast.unparse(text)}"
+        case ast.BinOp() | ast.FormattedValue() | ast.Call(func=ast.Attribute()):
+            whole = _whole_text(source, node)
+            if made := _as_text(source, whole):
+                more = (
+                    "" if made[0] == "[" else ", with `from launch.substitutions import PathJoinSubstitution`"
+                )
+                return f"write {made} instead of {ast.unparse(whole)}{more}"
     return f"pass {ast.unparse(early[0])} itself to the action, or a list of strings and substitutions, which launch joins"
+
+
+def _whole_text(source: PythonSource, node: ast.AST) -> ast.AST:
+    """Return the largest text or path that Python makes of the value of an expression."""
+    above = source.above(node)
+    is_path = isinstance(above, ast.Call) and source.resolve(above.func) == "os.path.join"
+    is_text = isinstance(above, (ast.FormattedValue, ast.JoinedStr, ast.List))
+    is_text |= isinstance(above, ast.BinOp) and isinstance(above.op, (ast.Add, ast.Mod))
+    return _whole_text(source, above) if above and (is_path or is_text) else node
+
+
+def _as_text(source: PythonSource, node: ast.AST) -> str:
+    """Return a text or a path as launch takes it, a list or a PathJoinSubstitution; empty if Python alone can make it."""
+    match node:
+        case ast.Call(func=func, args=args) if source.resolve(func) == "os.path.join":
+            return f"PathJoinSubstitution([{', '.join(_as_text(source, one) or ast.unparse(one) for one in args)}])"
+        case ast.JoinedStr(values=values) | ast.List(elts=values):
+            parts = [
+                getattr(value, "value", value) if isinstance(value, ast.FormattedValue) else value
+                for value in values
+            ]
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            parts = [left, right]
+        case ast.BinOp(left=ast.Constant(value=str(text)), op=ast.Mod(), right=right):
+            given = iter(right.elts if isinstance(right, ast.Tuple) else [right])
+            pieces = [piece for piece in re.split(r"(%s)", text) if piece]
+            parts = [next(given, right) if piece == "%s" else ast.Constant(piece) for piece in pieces]
+        case _:
+            return ""
+    texts = [_as_text(source, part) or ast.unparse(part) for part in parts]
+    return f"[{', '.join(text[1:-1] if text.startswith('[') else text for text in texts)}]"
 
 
 _WITHOUT_IF = "remove the if, always put the action into the list, and give it"

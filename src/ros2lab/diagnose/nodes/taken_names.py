@@ -92,10 +92,15 @@ def hiding_methods(owner: NodeClass, properties: Collection[str]) -> Iterator[tu
         if method.name in properties and not method.decorator_list:
             why = f"Every node already has `{method.name}`, which this method hides, so choose another name."
         elif least := _demanded_by_node(method):
-            why = f"Every node has a method {method.name}, which this one hides, and ROS itself calls it with at least {least} argument{'s' * (least != 1)}."
+            why = f"Every node has a method {method.name}, which needs at least {least} argument{'s' * (least != 1)}, and which this one hides."
         else:
             continue
-        fix = f"rename it, for example to {free_name(owner, method.name)}, also where it is used"
+        asked = [c for c in calls_in(walk(owner.definition)) if ast.unparse(c.func) == f"self.{method.name}"]
+        own = [c.lineno for c in asked if len(given_to(c)) < len(method.args.args)]
+        others = [c.lineno for c in asked if c.lineno not in own]
+        also = f"and its call on {these_lines(own)}" if own else "also where it is used"
+        also += f", but not on {these_lines(others)}, where the node's own is called" if others else ""
+        fix = f"rename it, for example to {free_name(owner, method.name)}, {also}"
         yield method.name, Finding("node-property", why, owner.source.at(method), fix)
 
 
