@@ -29,7 +29,7 @@ _BY_LAUNCH = re.compile(
     r"Caught exception in launch[^\n]*: Invalid (?P<what>node name|namespace): [^\n]*\n\s*'(?P<name>[^'\n]+)'"
 )
 _RULES = {
-    "namespace": "it begins with a slash and does not end with one, and between slashes it may contain only letters, digits and _, and no part may begin with a digit",
+    "namespace": "a namespace begins with a slash and does not end with one, and between slashes it may contain only letters, digits and _, and no part may begin with a digit",
     "node name": "it may contain only letters, digits and _, and must not begin with a digit",
     _OF_TOPICS: "between slashes it may contain only letters, digits and _, and no part may begin with a digit",
 }
@@ -174,7 +174,10 @@ def allowed(name: str, what: str) -> str:
 
 
 def _cause(name: str, what: str) -> str:
-    return f"{name!r} is not a valid {what}: {_RULES[what]}."
+    rule = _RULES[what]
+    if what == "namespace" and allowed(name, what) == f"/{name}":
+        rule = "a namespace begins with a slash, and this one does not"
+    return f"{name!r} is not a valid {what}: {rule}."
 
 
 def _code(what: str) -> str:

@@ -144,7 +144,7 @@ def _of_program(started: Started, source: str, said: str) -> tuple[str, str] | N
     program = _program(first)
     is_python = started.path.suffix == ".py" or "python" in program
     if not first.startswith(b"#!"):  # a shell runs it as a script of its own, unless it is in Python
-        cause = f"The first line of {source} does not say that Python should run it, so the system cannot start it."
+        cause = f"The first line of {source} is no shebang that says that Python should run it, so the system cannot start it."
         return (cause, f"write {new} above line 1") if is_python else None
     is_said = re.search(rf"{re.escape(program)}\W*: No such file", said) is not None
     if not program or (shutil.which(program) and not is_said):

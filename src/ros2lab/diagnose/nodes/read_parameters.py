@@ -51,7 +51,7 @@ def _undeclared(
     name: str, own: Collection[str], source: PythonSource, call: ast.Call, asked: tuple[str, str] | None
 ) -> Finding:
     """Say that a node does not declare a parameter that it reads, and what may be meant."""
-    there = f" The declared parameters are: {', '.join(sorted(own))}." if own else ""
+    there = f" The declared parameters are: {', '.join(sorted(own))}." if any(own) else ""
     close = nearest(name, own, 0.5)
     default = default_by_use(source.nodes, call) or "..."
     fix = f"write `self.declare_parameter({name!r}, {default})` in the constructor, before it is read"
@@ -155,15 +155,21 @@ def _read_as_another(sources: NodeSources, declared: Mapping[str, Any]) -> Itera
             right = _field_of(default)
             if not isinstance(node, ast.Attribute) or not _FIELD.fullmatch(right) or right == node.attr:
                 continue
-            cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}; its {node.attr} is always 0 or empty."
+            cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}; its {node.attr} is always {_empty(node.attr)}."
             place, fix = source.at(node), f"write .{right} instead of .{node.attr}"
             # A field that is asked for by name is meant, unless its use needs what was declared.
             use, new = default_by_use(source.nodes, node), _as_in(node.attr, default)
             if new is not None and (use is None or _field_of(ast.literal_eval(use)) != right):
                 for home, value in _defaults(sources, name, default):
                     place, fix = home.at(value), f"write {new!r} instead of {ast.unparse(value)}"
-                    cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}, but {source.at(node)} reads {node.attr}, which is always 0 or empty."
+                    cause = f"The parameter {name} is declared with {default!r}, so its value is in {right}, but {source.at(node)} reads {node.attr}, which is always {_empty(node.attr)}."
             yield Finding("parameter-type", cause, place, fix)
+
+
+def _empty(field: str) -> str:
+    """Return the value of a field of a ParameterValue that is not set."""
+    kind = _FIELD.fullmatch(field)
+    return repr(_TYPES[kind[1]]()) if kind and not kind[2] else "empty"
 
 
 def _field_of(value: Any) -> str:

@@ -224,13 +224,14 @@ def _below_guard(source: PythonSource) -> ast.If | None:
 def _of_another(setup: SetupScript, sources: Mapping[str, PythonSource]) -> Iterator[Finding]:
     """Yield an executable that calls the module of another one although a suitable file is called by none."""
     points = setup.entry_points or []
-    called = {point.module for point in points}
-    uncalled = [name for name in sources if can_be_named(name) and name not in called]
+    modules = {point.module for point in points}
+    uncalled = [name for name in sources if can_be_named(name) and name not in modules]
     for number, point in enumerate(points):
         twin = next((other for other in points if other is not point and other.module == point.module), None)
         if twin is None or not (meant := _meant_module(points, number, uncalled, sources)):
             continue
-        cause = f"The executable {point.name} calls {point.module}, as {twin.name} does, so nothing runs {sources[meant].shown}."
+        called = f"{point.module}:{point.function}" if point.function == twin.function else point.module
+        cause = f"The executable {point.name} calls {called}, as {twin.name} does, so nothing runs {sources[meant].shown}."
         where = "" if _are_alike(point.name, meant) else f"if {point.name} should run that file, "
         fix = f"{where}write '{point.name} = {meant}:{point.function}', and build again"
         place = at(setup.source.shown, point.line)

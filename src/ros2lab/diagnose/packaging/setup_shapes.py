@@ -244,7 +244,7 @@ def _absolute(package: SourcePackage, setup: SetupScript, target: str) -> Findin
     better = re.sub(r"(^|[(,]\s*)(f?['\"])/+", r"\1\2", written).replace("'' + ", "")
     is_meant = target.lstrip("/").startswith(("share/", "lib/")) or better.startswith("os.path.join('share',")
     right = better if is_meant and better != written else f"'share/{package.name}', or a folder in it,"
-    cause = f"data_files installs into {target}: that begins with a slash, so it is an absolute path, which colcon refuses with an AssertionError that says nothing."
+    cause = f"data_files installs into {target}: that begins with a slash, so it is an absolute path, which colcon refuses with an AssertionError without a message."
     fix = f"write {right} instead of {written}: colcon puts it into the package's own install folder"
     return Finding("setup-value", cause, at(setup.source.shown, line), fix, ("data_files",))
 
