@@ -8,6 +8,8 @@ import pytest
 from workspace_files import CFG, NAMES, Files
 
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.packaging import setup_run
 
 CONFIGURED = """\
 [options]
@@ -81,6 +83,14 @@ def test_a_wrong_folder_of_executables_is_named(tmp_path: Path) -> None:
     given = SET["options"].replace(RIGHT, WRONG)
     cause = "setup.cfg is missing, so the executables go into lib/bot, where `ros2 run` does not look."
     assert told(_set(given, None), tmp_path) == [cause]
+
+
+def test_where_no_code_may_run_setup_is_only_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(setup_run, "_taken", None)
+    for number, script in enumerate(one for one in CALLED.values() if "(" in one):
+        root = Files.right(NAMES[1]).put("setup.py", script).write(tmp_path / str(number))
+        causes = [finding.cause for finding in Look(root).findings]
+        assert not any("setup()" in cause or "rules failed" in cause for cause in causes)
 
 
 def _set(given: str, config: str | None) -> Files:

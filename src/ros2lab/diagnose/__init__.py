@@ -100,7 +100,7 @@ def of_text(
         text: what it printed.
         workspace: where to look for the cause; None takes the workspace of the files named in the text.
         sources: texts of files that are not on disk, such as notebook cells, by their names in the text.
-        loads: whether launch may load launch files, which runs their code.
+        loads: whether launch may load launch files, and setuptools a setup.py, which runs their code.
     """
     from ros2lab.diagnose.explaining.explanation import explain
 

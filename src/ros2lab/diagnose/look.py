@@ -104,13 +104,21 @@ class Look:
         root: the folder of the workspace or of a package.
         environ: the environment of the terminal in which it is used; None skips checking it.
         loads: whether launch loads the launch files, in a separate process; otherwise they are only parsed.
+        runs: whether a setup.py may be run there; None if it may where launch files are loaded.
     """
 
     def __init__(
-        self, root: Path | None, environ: Mapping[str, str] | None = None, *, loads: bool = False
+        self,
+        root: Path | None,
+        environ: Mapping[str, str] | None = None,
+        *,
+        loads: bool = False,
+        runs: bool | None = None,
     ) -> None:
         self.root, self.environ, self.loads = root or Path(), environ, loads
         self.packages, self.passed_over = discover(root) if root else ([], [])
+        for package in self.packages:
+            package.is_run = loads if runs is None else runs
         self._is_workspace = root is not None
         self._sources: dict[Path, NodeSources] = {}
 

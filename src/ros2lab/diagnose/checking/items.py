@@ -14,11 +14,13 @@ from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 from ros2lab.diagnose.sources.spelling import with_article
 
 _Several = ast.List | ast.Tuple
+_MOST = 20  # items that are tried one by one
 
 
 def of_named_item(message: str, spot: Spot) -> Finding | None:
     """Return the item of the only list given on a line at the index that an error names; None if there is none."""
-    index = re.search(r"\bindex (\d+)\b", message)
+    # What is read past its end has an index, too, and there Python itself stops on this line.
+    index = None if spot.is_innermost else re.search(r"\bindex (\d+)\b", message)
     given = [spot.file.written(value) for call in spot.calls for value in given_to(call)]
     lists = [value for value in given if isinstance(value, _Several)]
     if index is None or len(lists) != 1 or int(index[1]) >= len(lists[0].elts):
@@ -28,7 +30,7 @@ def of_named_item(message: str, spot: Spot) -> Finding | None:
 
 def of_other_item(source: PythonSource, given: ast.expr) -> Finding | None:
     """Return the first item of a list that a call is given to which the type checker objects, if not to all; else None."""
-    if not isinstance(given, _Several) or len(given.elts) < 2:
+    if not isinstance(given, _Several) or not 1 < len(given.elts) <= _MOST:
         return None
     alone = [type(given)([item], ast.Load()) for item in given.elts]
     rows = checked(source, [Edit(given, ast.unparse(one)).of(source) for one in alone])
@@ -40,7 +42,7 @@ def _told(source: PythonSource, whole: _Several, index: int, said: str = "") -> 
     item, others = whole.elts[index], [*whole.elts[:index], *whole.elts[index + 1 :]]
     text, like = ast.unparse(item), next((other for other in others if _form(other) != _form(item)), None)
     cause = f"`{text}`, item {index} of this list (the first one is item 0), is {_form(item)}"
-    cause += f", but `{ast.unparse(like)}` is {_form(like)}." if like else f"{said}."
+    cause += f", but item {whole.elts.index(like)} is {_form(like)}." if like else f"{said}."
     sizes = [len(other.elts) for other in others if isinstance(other, ast.Tuple)]
     if isinstance(item, ast.Constant) and (sizes or not others):
         cause = f"{cause[:-1]}: a comma makes a tuple, and parentheses alone do not."

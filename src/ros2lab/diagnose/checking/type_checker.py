@@ -86,7 +86,8 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     short = owner.rpartition(".")[2]
     at_fault = argument_at(call, spot.line, int(row["column"]) - 1) if call else None
     if call and at_fault:
-        if rule == "invalid-argument-type" and (item := of_other_item(spot.source, at_fault)):
+        item = of_other_item(spot.source, at_fault) if rule == "invalid-argument-type" else None
+        if item and item.fix:
             return replace(item, code="argument-type")
         said["value"] = _as_given(call, at_fault)
     code, cause, fix = _of_call(rule, short, name, said)

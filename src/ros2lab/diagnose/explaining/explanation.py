@@ -73,7 +73,7 @@ _EVERYWHERE = frozenset(("error", "module", "object", "attribute", "None"))
 def explain(text: str, workspace: Path | None, sources: Mapping[str, str], *, loads: bool) -> list[Finding]:
     """Explain an error's text; see `ros2lab.diagnose.of_text`."""
     root = workspace or _workspace_of(read_error(text))
-    look = Look(root, loads=loads and "launch" in text)
+    look = Look(root, loads=loads and "launch" in text, runs=loads)
     text = without_own(text, look)
     error = read_error(text)
     if built := failed_build(error.steps):

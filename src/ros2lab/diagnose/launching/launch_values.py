@@ -86,12 +86,12 @@ def _when_it_runs(
             made = f"PythonExpression([{', '.join(_parts(whole, early))}])"
             return f"write {made} instead of {ast.unparse(whole)}, with `from launch.substitutions import PythonExpression`"
         case ast.BinOp() | ast.FormattedValue() | ast.Call(func=ast.Attribute()):
-            whole = _whole_text(source, node)
-            if made := _as_text(source, whole):
+            text = _whole_text(source, node)
+            if made := _as_text(source, text):
                 more = (
                     "" if made[0] == "[" else ", with `from launch.substitutions import PathJoinSubstitution`"
                 )
-                return f"write {made} instead of {ast.unparse(whole)}{more}"
+                return f"write {made} instead of {ast.unparse(text)}{more}"
     return f"pass {ast.unparse(early[0])} itself to the action, or a list of strings and substitutions, which launch joins"
 
 

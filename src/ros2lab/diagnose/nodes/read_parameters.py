@@ -142,7 +142,7 @@ def _default_by_name(nodes: Iterable[ast.AST], target: ast.expr) -> str | None:
 
 
 # The Python type of what each field of a ParameterValue holds, by the first word of its name.
-_TYPES: Mapping[str, Callable[[Any], Any]] = {"bool": bool, "integer": int, "double": float, "string": str}
+_TYPES: Mapping[str, Callable[..., Any]] = {"bool": bool, "integer": int, "double": float, "string": str}
 _FIELD = re.compile(rf"({'|'.join(_TYPES)})(_array)?_value")
 
 

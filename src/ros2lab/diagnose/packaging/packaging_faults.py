@@ -56,8 +56,9 @@ def packaging_faults(
     yield from path_faults(setup.source)
     told = {setup.source.at(node.end_lineno) for node, _ in setup.beside.values()}
     yield from (one for one in comma_faults(setup.source, "setup-syntax") if one.place not in told)
-    is_sure = any(getattr(statement, "value", None) is setup.call for statement in setup.source.tree.body)
-    if not (setup.call and is_sure) and taken_by_setuptools(package).get("is_called") is False:
+    is_sure = any(setup.call and getattr(one, "value", None) is setup.call for one in setup.source.tree.body)
+    may_be_called = package.is_run or bool(setup.source.calls)
+    if not is_sure and not taken_by_setuptools(package).get("is_called", may_be_called):
         cause = "setup.py never calls setup(), so nothing is installed."
         yield Finding("setup-missing", cause, setup.source.shown, "call setup(...) from setuptools")
         return
@@ -310,7 +311,7 @@ def _cfg_faults(package: SourcePackage, lost: str) -> Iterator[Finding]:
 def _kept_out(package: SourcePackage, section: str) -> str:
     """Say into which wrong folder setuptools puts executables, wherever that is set; empty if it is the right one."""
     key, right = _scripts(package)[section]
-    folder = taken_by_setuptools(package).get(key) or "bin"
+    folder = str(taken_by_setuptools(package).get(key) or "bin")
     is_right = folder.rstrip("/") == right
     return "" if is_right else f"into {folder.removeprefix('$base/')}, where `ros2 run` does not look"
 

@@ -27,8 +27,9 @@ _BASE = "/base"  # where the package would be installed
 
 
 def taken_by_setuptools(package: SourcePackage) -> Mapping[str, Any]:
-    """Return whether a package's setup.py calls setup(), and where executables go; empty if it fails or cannot be confined."""
-    return _taken(package.folder, *(read_text(package.folder / name) for name in ("setup.py", "setup.cfg")))
+    """Return whether a package's setup.py calls setup(), and where executables go; empty if it may not be run, or fails."""
+    read = [package.folder / "setup.cfg", *sorted(package.folder.glob("*.py"))] if package.is_run else []
+    return _taken(package.folder, *map(read_text, read)) if read else {}
 
 
 @functools.lru_cache(maxsize=64)
@@ -39,10 +40,10 @@ def _taken(folder: Path, *_: str) -> Mapping[str, Any]:
         said = subprocess.run(
             command, cwd="/", stdin=subprocess.DEVNULL, capture_output=True, timeout=_LONGEST, check=True
         ).stdout
-        taken: Mapping[str, Any] = json.loads(said)
+        taken = json.loads(said)
     except (OSError, ValueError, subprocess.SubprocessError):
         return {}
-    return taken
+    return taken if isinstance(taken, dict) else {}
 
 
 def main() -> None:

@@ -157,7 +157,7 @@ def as_meant(package: SourcePackage, setup: SetupScript) -> tuple[SourcePackage,
     lines |= {keyword: node.lineno for keyword, (node, _) in setup.beside.items()}
     if not keywords:
         return package, setup
-    meant = SourcePackage(package.folder, package.root)
+    meant = SourcePackage(package.folder, package.root, package.is_run)
     meant.setup = replace(setup, keywords=setup.keywords | keywords, lines=setup.lines | lines)
     return meant, meant.setup
 

@@ -36,10 +36,12 @@ class SourcePackage:
 
     Attributes:
         root: the folder of the workspace, to which shown paths are relative.
+        is_run: whether its setup.py may be run, up to its command line, in a process that can change nothing.
     """
 
     folder: Path
     root: Path | None = None
+    is_run: bool = False
 
     @cached_property
     def name(self) -> str:
