@@ -138,3 +138,16 @@ def test_where_calls_without_end_stop_at_last_is_no_cause(
     (found,) = of_text(said, root)
     assert found.place.endswith(f":{rows.index(calls.rsplit(';', maxsplit=1)[-1]) + 1}")
     assert found.fix.startswith(begin)
+
+
+def test_only_the_calls_that_mean_the_hiding_method_are_renamed(tmp_path: Path) -> None:
+    files = Files.right(NAME).change(
+        "node",
+        "    def CALLBACK",
+        "    def create_timer(self):\n        self.more = self.create_timer(1.0, self.CALLBACK)\n\n    def CALLBACK",
+    )
+    files.change("node", "self.count = 0", "self.count = 0\n        self.create_timer()")
+    finding, *others = [f for f in of_workspace(files.write(tmp_path), None) if "create_timer" in f.cause]
+    assert others == []
+    assert finding.cause.endswith("which needs at least 2 arguments, and which this one hides.")
+    assert "its call on line 13, but not on lines 11 and 16, where the node's own is called" in finding.fix

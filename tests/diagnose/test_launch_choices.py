@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import pytest
 
 from launch import LaunchContext
+from launch.utilities import normalize_to_list_of_substitutions, perform_substitutions
 from ros2lab.diagnose.launching.launch_values import used_too_early
 from ros2lab.diagnose.sources.python_source import PythonSource
 
@@ -61,3 +63,33 @@ def test_what_is_told_chooses_when_launch_runs(name: str) -> None:
 )
 def test_a_choice_of_actions_is_a_condition_of_theirs(text: str) -> None:
     assert "condition=IfCondition(" in told(text)
+
+
+TEXTS = {
+    "a sum": "weather + '.yaml'",
+    "a longer sum": "'in_' + weather + '_' + weather + '.yaml'",
+    "a text with a value in it": "f'in_{weather}.yaml'",
+    "a template": "'in_%s.yaml' % weather",
+    "a template with two": "'%s_%s.yaml' % (weather, weather)",
+    "a path": "os.path.join('/share', 'config', weather + '.yaml')",
+    "a path of a list": "os.path.join('/share', [weather, '.yaml'])",
+    "a path of a text with a value": "os.path.join('/share', f'{weather}.yaml')",
+}
+
+
+@pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
+def test_a_text_is_written_as_launch_joins_it(text: str) -> None:
+    fix = told(f"import os\n\nname = {text}\n")
+    assert f" instead of {text}" in fix
+    names: dict[str, Any] = {}
+    exec(f"{HEAD}import os\nfrom launch.substitutions import PathJoinSubstitution", names)
+    made = eval(fix.removeprefix("write ").partition(" instead of ")[0], names)
+    context = LaunchContext()
+    context.launch_configurations["weather"] = "sun"
+    right = eval(text.replace("[weather, '.yaml']", "weather + '.yaml'"), {"os": os, "weather": "sun"})
+    assert perform_substitutions(context, normalize_to_list_of_substitutions(made)) == right
+
+
+@pytest.mark.parametrize("text", ["['-f', weather + '.yaml']", "['-f'] + [weather + '.yaml']"])
+def test_a_text_in_a_list_is_written_alone(text: str) -> None:
+    assert told(f"words = {text}\n") == "write [weather, '.yaml'] instead of weather + '.yaml'"

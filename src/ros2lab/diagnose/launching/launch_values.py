@@ -53,8 +53,8 @@ def _given_to_python(source: PythonSource, node: ast.AST) -> list[ast.expr]:
             return [left, *others]
         case ast.If(test=test) | ast.IfExp(test=test):
             return [test.operand if isinstance(test, ast.UnaryOp) else test]
-        case ast.BinOp(left=left, right=right):
-            return [left, right]
+        case ast.BinOp(left=left, op=op, right=right):
+            return [left, *(getattr(right, "elts", [right]) if isinstance(op, ast.Mod) else [right])]
         case (
             ast.FormattedValue(value=value)
             | ast.Call(func=ast.Name(id="int" | "float" | "str" | "bool"), args=[value])
@@ -98,8 +98,11 @@ def _when_it_runs(
 def _whole_text(source: PythonSource, node: ast.AST) -> ast.AST:
     """Return the largest text or path that Python makes of the value of an expression."""
     above = source.above(node)
-    is_path = isinstance(above, ast.Call) and source.resolve(above.func) == "os.path.join"
-    is_text = isinstance(above, (ast.FormattedValue, ast.JoinedStr, ast.List))
+    inner = (
+        source.above(above) if isinstance(above, ast.List) else above
+    )  # only a path has its parts in a list
+    is_path = isinstance(inner, ast.Call) and source.resolve(inner.func) == "os.path.join"
+    is_text = isinstance(above, (ast.FormattedValue, ast.JoinedStr))
     is_text |= isinstance(above, ast.BinOp) and isinstance(above.op, (ast.Add, ast.Mod))
     return _whole_text(source, above) if above and (is_path or is_text) else node
 
