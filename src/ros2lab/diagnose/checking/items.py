@@ -1,16 +1,20 @@
-"""An item of a list that a function is given which has another form than the function takes."""
+"""Items of a list that a function is given and does not take, although it takes a list."""
 
 from __future__ import annotations
 
 import ast
+import builtins
+import keyword
 import re
 from collections.abc import Sequence
 
 from ros2lab.diagnose.checking.checked_copies import checked
 from ros2lab.diagnose.checking.edits import Edit
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.checking.trials import kinds_in
+from ros2lab.diagnose.checking.type_words import plain
+from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
-from ros2lab.diagnose.sources.python_source import PythonSource, given_to
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to, names_bound, names_read, own_nodes
 from ros2lab.diagnose.sources.spelling import with_article
 
 _Several = ast.List | ast.Tuple
@@ -28,14 +32,51 @@ def of_named_item(message: str, spot: Spot) -> Finding | None:
     return _told(spot.file, lists[0], int(index[1]), f": {message.rstrip('.')}")
 
 
-def of_other_item(source: PythonSource, given: ast.expr) -> Finding | None:
-    """Return the first item of a list that a call is given to which the type checker objects, if not to all; else None."""
-    if not isinstance(given, _Several) or not 1 < len(given.elts) <= _MOST:
+def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> Finding | None:
+    """Return the items for which a list is refused, each asked alone; None if it is refused as a list, or is none.
+
+    Args:
+        spot: where the list is given.
+        value: the list.
+        function: what is called with it, in words.
+        said: what the type checker says of the list.
+    """
+    source = spot.file
+    if not isinstance(value, _Several) or len(value.elts) > _MOST:
         return None
-    alone = [type(given)([item], ast.Load()) for item in given.elts]
-    rows = checked(source, [Edit(given, ast.unparse(one)).of(source) for one in alone])
-    bad = [n for n, said in enumerate(rows) if any(row.line == given.lineno for row in said)]
-    return _told(source, given, bad[0]) if 0 < len(bad) < len(alone) else None
+    free = sorted(names_bound(own_nodes(spot.function or source.tree)) - names_read(source.nodes))
+    alone = ["", *(f"reveal_type({ast.unparse(item)})" for item in value.elts), *free]
+    whole = "[{}]" if isinstance(value, ast.List) else "({},)"
+    edits = [Edit(value, whole.format(item) if item else whole[0] + whole[-1]) for item in alone]
+    least, *counts = [
+        (
+            sum(row.said.startswith(said.partition(": Expected")[0]) for row in rows),
+            "".join(kinds_in(rows)[:1]),
+        )
+        for rows in checked(source, [edit.of(source) for edit in edits])
+    ]
+    bad = [n for n, (count, _) in enumerate(counts[: len(value.elts)]) if count > least[0]]
+    if not bad:
+        return None
+    if len(bad) < len(value.elts) and (other := _told(source, value, bad[0])).fix:
+        return other
+    pythons = {*dir(builtins)} - {*keyword.kwlist, *source.names} - names_bound(source.nodes)
+    kinds = {ast.unparse(value.elts[n]): plain(counts[n][1]) for n in bad}
+    fitting = [name for name, (n, _) in zip(free, counts[len(value.elts) :], strict=True) if n <= least[0]]
+    told = [
+        f"`{t}` is {f'the {t} of Python itself' if t in pythons else k.removesuffix(', in brackets')}"
+        for t, k in kinds.items()
+    ]
+    names, (item, first) = " and ".join(kinds), next(iter(kinds.items()))
+    fix = f"remove {names} from the list, or write what is meant instead"
+    if len(kinds) == len(fitting) == 1:
+        fix = f"write {fitting[0]} instead of {names}"
+    elif first.startswith("the class"):
+        fix = f"write {item}(...), with what it needs in the parentheses, instead of {item}"
+    elif first.startswith("the string"):
+        fix = f"remove {names} from the list; code that is to be left out is marked with # instead of quotes"
+    cause = f"Not every item of this list is one that {function} takes: {in_a_row(told)}."
+    return Finding("argument-type", cause, spot.place, fix)
 
 
 def _told(source: PythonSource, whole: _Several, index: int, said: str = "") -> Finding:

@@ -16,12 +16,11 @@ from ros2lab.diagnose.checking.call_forms import (
     rewritten,
 )
 from ros2lab.diagnose.checking.checked_copies import checked, first_that_stands
-from ros2lab.diagnose.checking.items import of_other_item
+from ros2lab.diagnose.checking.items import refused_items
 from ros2lab.diagnose.checking.members import in_place_of, without_like
 from ros2lab.diagnose.checking.objections import Doubts, objections_of, owner_and_name
 from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
-from ros2lab.diagnose.checking.refused_items import refused_items
 from ros2lab.diagnose.checking.ros_calls import of_callback, of_class_method
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain
 from ros2lab.diagnose.checking.wrong_owners import of_another_owner
@@ -72,30 +71,20 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     owner, name = owner_and_name(said)
     assert spot.source is not None
     place = spot.source.at(spot.line)
-    if rule in _OF_VALUES:
-        said["whole"] = row["said"]
-        return _of_member(rule, said, spot, look)
-    if rule == "invalid-exception-caught":
-        cause = f"{name} is no exception, so this `except` itself fails as soon as an error comes to it."
-        return Finding(
-            "argument-type", cause, place, f"write Exception, or the error that is meant, instead of {name}"
-        )
-    if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
-        return Finding("argument-missing", *of_class(said, spot))
+    said["whole"] = row["said"]
+    if found := _of_no_call(rule, name, said, spot, look):
+        return found
     call = call_at(spot, int(row["column"]) - 1, rule)
     short = owner.rpartition(".")[2]
     at_fault = argument_at(call, spot.line, int(row["column"]) - 1) if call else None
     if call and at_fault:
-        item = of_other_item(spot.source, at_fault) if rule == "invalid-argument-type" else None
-        if item and item.fix:
+        if rule == "invalid-argument-type" and (item := refused_items(spot, at_fault, short, row["said"])):
             return replace(item, code="argument-type")
         said["value"] = _as_given(call, at_fault)
     code, cause, fix = _of_call(rule, short, name, said)
     if call is None or short == "object":
         return Finding(code, cause, place, fix)
     told = _of_known(rule, name, cause, call, spot=spot, look=look)
-    if told is None and at_fault and rule == "invalid-argument-type":
-        told = refused_items(spot, at_fault, short, row["said"])
     if told:
         return Finding(code, told[0], place, told[1])
     if rule == "unknown-argument":
@@ -112,6 +101,19 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
         cause = f"{short} is called with one argument too few, so its arguments are in the wrong places."
     fix = _tried(spot.source, call, at_fault, said, row, is_short=is_short) or fix
     return Finding(code, cause, place, fix)
+
+
+def _of_no_call(rule: str, name: str, said: dict[str, str], spot: Spot, look: Look) -> Finding | None:
+    """Return a finding that is not about the arguments of a call; None if it is about those."""
+    if rule in _OF_VALUES:
+        return _of_member(rule, said, spot, look)
+    if rule == "invalid-exception-caught":
+        cause = f"{name} is no exception, so this `except` itself fails as soon as an error comes to it."
+        fix = f"write Exception, or the error that is meant, instead of {name}"
+        return Finding("argument-type", cause, spot.place, fix)
+    if (rule == "missing-argument" and name == "self") or said.get("given", "").startswith("<class "):
+        return Finding("argument-missing", *of_class(said, spot))
+    return None
 
 
 def _as_given(call: ast.Call, value: ast.expr) -> str:
