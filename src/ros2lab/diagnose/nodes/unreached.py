@@ -8,7 +8,7 @@ from functools import lru_cache
 
 from ros2lab.diagnose.finding import Finding, in_a_row, these_lines
 from ros2lab.diagnose.sources.interfaces import members_of, node_members
-from ros2lab.diagnose.sources.made_unseen import may_run
+from ros2lab.diagnose.sources.made_unseen import looks_up, may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.syntax_parts import own_parameters
@@ -47,7 +47,9 @@ def unreached(sources: NodeSources) -> Mapping[int, tuple[NodeClass, Function]]:
 
 def is_seen_whole(sources: NodeSources, owner: NodeClass) -> bool:
     """Return whether a node may run, and no base, subclass or user elsewhere decides which of its methods are called."""
+    files = (sources.sources[name] for name in sources.together(owner.source.name))
     is_own = sources.lineage(owner)[2] and not sources.is_managed(owner)
+    is_own &= not any(looks_up(node) for source in files for node in source.nodes)
     return is_own and may_run(sources, owner.source, owner) and not _is_for_others(sources, owner)
 
 

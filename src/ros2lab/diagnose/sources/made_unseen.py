@@ -11,6 +11,9 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 
 _BUILTINS = frozenset(dir(builtins))
+# What finds something by a text, and the position of that text; -1 for what gives all that there is.
+_BY_TEXT = {"getattr": 1, "attrgetter": 0, "methodcaller": 0, "__getattribute__": 0, "eval": 0, "exec": 0}
+_BY_TEXT |= dict.fromkeys(("globals", "vars", "dir", "getmembers"), -1)
 
 
 def may_be_made_unseen(sources: NodeSources, owner: NodeClass) -> bool:
@@ -47,3 +50,14 @@ def _is_known(source: PythonSource, called: ast.expr) -> bool:
     if isinstance(called, ast.Attribute):
         return ast.unparse(called) not in source.stored
     return isinstance(called, ast.Lambda)
+
+
+def looks_up(node: ast.AST) -> bool:
+    """Return whether a node finds a function or a class by a computed name, or goes through all of them."""
+    match node:
+        case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name), args=args) if name in _BY_TEXT:
+            at = _BY_TEXT[name]
+            return at < 0 or not isinstance(next(iter(args[at:]), None), ast.Constant)
+        case ast.Attribute(attr="__dict__"):
+            return True
+    return False

@@ -16,7 +16,7 @@ from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.sources.setup_cfg import read_cfg
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript, read_setup
-from ros2lab.diagnose.sources.static_value import UNKNOWN
+from ros2lab.diagnose.sources.static_value import UNKNOWN, is_known
 from ros2lab.manifest_words import NOT_TAKEN, fault_of
 
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
@@ -236,8 +236,9 @@ class SourcePackage:
 
     @property
     def packages(self) -> list[str] | None:
-        """The Python packages that setup.py installs, also those written as folders; None if not known."""
-        value = self.setup.keywords.get("packages", []) if self.setup else None
+        """The Python packages that setup.py installs, also those written as folders; None if they or their folders are not known."""
+        given = self.setup.keywords if self.setup else {}
+        value = given.get("packages", []) if given and is_known(given.get("package_dir")) else None
         if not isinstance(value, (list, tuple)) or not all(isinstance(name, str) for name in value):
             return None
         return [name.rstrip("/").replace("/", ".") if re.match(r"\w", name) else name for name in value]

@@ -230,12 +230,15 @@ def _take_configuration(script: SetupScript, folder: Path) -> None:
         given["packages"] = (
             _found_by_cfg(folder, parser, value.strip()) if value.startswith("find") else value.split()
         )
-    given |= dict.fromkeys({"package_dir", "py_modules", "scripts"} & {*options}, UNKNOWN)
+    if "package_dir" in options:
+        pairs = (row.partition("=") for row in re.split(r"[\n,]", options["package_dir"].strip()))
+        given["package_dir"] = {name.strip(): where.strip() for name, _, where in pairs}
+    given |= dict.fromkeys({"py_modules", "scripts"} & {*options}, UNKNOWN)
     if parser.has_option("metadata", "name"):
         given["name"] = parser.get("metadata", "name")
     is_elsewhere = re.compile(r"^\[(?:project|tool\.setuptools)", re.MULTILINE).search
     if fault or script.call is None or is_elsewhere(read_text(folder / "pyproject.toml")):
-        given = dict.fromkeys(_KEYWORDS, UNKNOWN) | given
+        given = dict.fromkeys((*_KEYWORDS, "package_dir"), UNKNOWN) | given
     for keyword, value in given.items():
         script.keywords.setdefault(keyword, value)
 

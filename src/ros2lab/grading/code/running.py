@@ -15,6 +15,7 @@ from collections import defaultdict
 from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.sources.interfaces import node_members
+from ros2lab.diagnose.sources.made_unseen import looks_up
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, last_name, walk
 from ros2lab.grading.code.entering import entering
@@ -29,7 +30,6 @@ _WHOLE = (
     ast.Name, ast.Attribute, ast.Constant, ast.Call, ast.BinOp, ast.UnaryOp, ast.Compare, ast.Subscript, ast.List,
     ast.Tuple, ast.JoinedStr, ast.FormattedValue, ast.expr_context, ast.operator, ast.unaryop, ast.cmpop,
 )  # fmt: skip
-_BY_NAME = frozenset(("getattr", "globals", "vars", "eval", "exec"))  # what finds functions by strings
 
 Definition = Function | ast.ClassDef | ast.Dict
 Code = Collection[tuple[PythonSource, ast.AST]]  # nodes of code that runs, each with its file
@@ -89,7 +89,7 @@ def running(
     # What may begin by itself, whatever holds.
     free = {piece for _, piece in waiting}
     free.update(*(_called_by_others(source, definition, classes) for source, definition in defined))
-    is_by_name = any(_finds_any(node) for source in sources for node in source.nodes)
+    is_by_name = any(looks_up(node) for source in sources for node in source.nodes)
     while waiting:
         source, piece = waiting.pop()
         if piece in done:
@@ -108,7 +108,7 @@ def running(
                 }
             for name in _names_in(node):
                 waiting += named.pop(name, ())
-            if _finds_any(node):
+            if looks_up(node):
                 waiting += [definition for found in named.values() for definition in found]
                 named.clear()
 
@@ -239,13 +239,3 @@ def _names_in(node: ast.AST) -> Iterator[str]:
             yield name
         case ast.alias(name=name, asname=str()):
             yield name.rpartition(".")[2]
-
-
-def _finds_any(node: ast.AST) -> bool:
-    """Return whether a node looks functions up by computed names."""
-    match node:
-        case ast.Call(func=ast.Name(id="getattr"), args=[_, ast.Constant(), *_]):
-            return False
-        case ast.Call(func=ast.Name(id=name)):
-            return name in _BY_NAME
-    return False

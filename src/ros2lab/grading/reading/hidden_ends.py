@@ -12,20 +12,12 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import PythonSource, walk
+from ros2lab.diagnose.sources.made_unseen import looks_up
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name, walk
 from ros2lab.grading.evidence import WrittenEnd
 
-# What looks something up by a text, and the position of that argument.
-_BY_TEXT = {
-    "getattr": 1,
-    "attrgetter": 0,
-    "methodcaller": 0,
-    "__getattribute__": 0,
-    "eval": 0,
-    "exec": 0,
-}
-# What always looks something up, whatever its arguments.
-_LOOKED_UP = frozenset(("import_module", "__import__", "get_message", "globals", "vars"))
+# What looks up a class whose name it is given.
+_LOOKED_UP = frozenset(("import_module", "__import__", "get_message"))
 
 
 def hidden_ends(sources: Collection[PythonSource], ends: Iterable[WrittenEnd]) -> Iterator[WrittenEnd]:
@@ -69,11 +61,4 @@ def _not_handed(node: ast.AST) -> Iterator[ast.AST]:
 
 def _is_looked_up(node: ast.AST) -> bool:
     """Return whether a node looks something up by a computed name."""
-    match node:
-        case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name), args=args):
-            at = _BY_TEXT.get(name)
-            is_computed = at is not None and not isinstance(next(iter(args[at:]), None), ast.Constant)
-            return is_computed or name in _LOOKED_UP
-        case ast.Attribute(attr="__dict__"):
-            return True
-    return False
+    return looks_up(node) or (isinstance(node, ast.Call) and last_name(node.func) in _LOOKED_UP)

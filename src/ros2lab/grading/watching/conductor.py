@@ -380,7 +380,7 @@ class Conductor:
             publishes=publishes,
             subscribes=subscribes,
             qos={topic: sorted(watch.qos[topic]) for topic in sorted({*publishes, *subscribes})},
-            parameters=self._first_values,
+            parameters=dict(sorted({**watch.values, **self._first_values}.items())),  # some come later
             quiet=self._quiet,
             log=self._quiet_log,
             twins=sorted(watch.twins),
