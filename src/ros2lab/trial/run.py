@@ -106,7 +106,7 @@ def try_out(
         for finding in read
         if not is_contradicted(finding, look, noted) and finding.place not in noted.told
     ]
-    possible = (finding for finding in shown if noted.ran.isdisjoint(finding.never))
+    possible = (finding for finding in shown if (noted.ran | noted.done).isdisjoint(finding.never))
     found = [*noted.wrong, *without_retold(possible, read, look)]
     found, others, read = with_reasons(found, read, noted, seen)
     story = [

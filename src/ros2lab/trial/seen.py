@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import itertools
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -18,26 +18,22 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.graph import finding_of
 from ros2lab.diagnose.nodes.ros_graph import End, Fault, NearMiss, Observation, SharedName, graph_of
-from ros2lab.diagnose.nodes.topic_faults import asked_of, ends_of, goes_on, timers_of, word_sources
+from ros2lab.diagnose.nodes.topic_faults import asked_of, ends_of, goes_on, timers_of
 from ros2lab.diagnose.sources.entrance import Entrance
-from ros2lab.diagnose.sources.joined_texts import text_of
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.grading.code.compared import compared
-from ros2lab.grading.code.running import running
-from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.senses import is_still, sense
+from ros2lab.grading.evidence import Heard, Run
 from ros2lab.rhythm import has_period, median_gap
-from ros2lab.trial.contents import VELOCITIES, content_faults, has_text, numbers_of
-from ros2lab.trial.ends import UNKNOWN_WORD, ended_together, explained, is_told_alone, made, needs_others
+from ros2lab.trial.contents import VELOCITIES, content_faults
+from ros2lab.trial.ends import ended_together, explained, is_told_alone, needs_others
 from ros2lab.trial.made_by_words import is_made_by_words
 from ros2lab.trial.record import Error
 from ros2lab.trial.timers import pauseless
 from ros2lab.trial.unended import unended_faults
 from ros2lab.trial.unspun import unspun_fault
+from ros2lab.trial.words import word_faults
 
 SEEN_PERIOD = 5.0  # s; a timer with a longer period may not fire twice while its program is watched
 LONGEST_PAUSE = 1.0  # s between two velocities; a robot that receives none for so long should stop
-LONGEST_WORD = 30  # letters
 # Ways to control a program besides topics, which nobody uses while it is watched.
 ASKS = frozenset(("create_service", "create_client", "add_post_set_parameters_callback", "input", "stdin"))
 
@@ -210,7 +206,7 @@ def seen_faults(seen: Seen) -> Iterator[Finding]:
         yield from content_faults(seen, run)
         yield from _rhythms(seen, run)
     yield from ended_together(seen)
-    yield from _words(seen)
+    yield from word_faults(seen)
     asked = {f"/{topic}" for package in seen.look.packages for topic in asked_of(seen.look.sources(package))}
     for run in seen.together or seen.alone:
         faults = [
@@ -332,96 +328,6 @@ def _has_no_end(seen: Seen, topic: str) -> bool:
     ends = seen.ends(topic, is_publisher=True)
     ended = re.compile(r"\.cancel\(|destroy_timer\(")
     return any(map(goes_on, ends)) and not any(ended.search(end.creation.source.text) for end in ends)
-
-
-def _words(seen: Seen) -> Iterator[Finding]:
-    """Yield words that have the same effect as a word that no node can know.
-
-    A word counts if any node reacts to it in any state.
-    """
-    topic = seen.command_topic
-    runs = [run for run in seen.alone if run.commands and topic in run.subscribes and not run.unasked]
-    sources = [word_sources(seen.look.sources(package)) for package in seen.look.packages]
-    own = {text for source_files in sources for text in compared(node for _, node in running(source_files))}
-    sent, alive = _sent(runs, own), _alive(runs) | made(seen)
-    dead = [word for word in sent if word not in alive and word != UNKNOWN_WORD]
-    if not dead or (len(dead) < len(sent) and any(map(_heeds_any_word, runs))):
-        return
-    ends = seen.ends(topic, is_publisher=False)
-    files = dict.fromkeys(end.creation.source for end in ends)
-    named = (s.at(n) for s in files for n in s.nodes if text_of(n).strip().lower() == dead[0].lower())
-    place = next(named, "")
-    cause, fix = _all_dead(topic, dead) if len(dead) == len(sent) else _one_dead(topic, dead[0], own)
-    yield Finding("word-unanswered", cause, place or seen.place(topic, is_publisher=False), fix)
-
-
-def _all_dead(topic: str, words: Sequence[str]) -> tuple[str, str]:
-    """Return cause and fix for words that all have the same effect as an unknown one."""
-    cause = f"After each of the words {', '.join(words)} on {topic}, the nodes do the same as after {UNKNOWN_WORD!r}, which means nothing."
-    fix = "let the callback change an attribute of self (self.state = ...), compare msg.data with ==, and after lower() compare only with lower-case words"
-    return cause, fix
-
-
-def _one_dead(topic: str, word: str, own: Iterable[str]) -> tuple[str, str]:
-    """Return cause and fix for a word that changes nothing, beside others that do."""
-    like = next((other for other in own if other.lower() == word.lower() and other != word), "")
-    cause = (
-        f"The word {word!r} on {topic} changes nothing{f'; the code compares with {like!r}' if like else ''}."
-    )
-    fix = f"compare msg.data.strip().lower() with {word.lower()!r}, in lower case"
-    if not like and word.islower():
-        fix = f"look at what comes before the comparison with {word!r}, such as a return, and at what it leads to"
-    return cause, fix
-
-
-def _sent(runs: Sequence[Run], own: Collection[str]) -> list[str]:
-    """Return the commands that the code names, in any case; the others need not do anything."""
-    named = {text.strip().lower() for text in own}
-    sent = dict.fromkeys(command.text for run in runs for command in run.commands)
-    return [
-        word
-        for word in sent
-        if word.strip().lower() in named and len(word) < LONGEST_WORD and not word.isupper()
-    ]
-
-
-def _alive(runs: Sequence[Run]) -> set[str]:
-    """Return the commands after which a node does something else than after the unknown one before."""
-    return {
-        command.text
-        for run in runs
-        for before, command in itertools.pairwise(run.commands)
-        if before.text == UNKNOWN_WORD and _effect(before) != _effect(command)
-    }
-
-
-def _heeds_any_word(run: Run) -> bool:
-    """Return whether an unknown word changes what is published, so that comparing with it says nothing."""
-    return any(
-        sense(before.topics[topic].values) != sense(heard.values)
-        for before, command in itertools.pairwise(run.commands)
-        if command.text == UNKNOWN_WORD
-        for topic, heard in command.topics.items()
-        if heard.values and topic in before.topics and before.topics[topic].values
-    )
-
-
-def _effect(command: CommandSeen) -> str:
-    """Return what followed a command, without the word itself and without numbers in log messages."""
-    texts = [re.sub(r"\d+", "#", text) for _, text in command.log]
-    texts += [_said_last(heard.values) for heard in command.topics.values() if heard.values]
-    bare = {text.replace(command.text, "WORD") if command.text else text for text in texts}
-    return "\n".join(sorted([*bare, *map(str, command.parameters.items())]))
-
-
-def _said_last(values: Sequence[Any]) -> str:
-    """Describe the last message: its content, and for numbers whether they are zero, constant or varying."""
-    last = values[-1]
-    if has_text(last) or not dict(numbers_of(last)):
-        return sense([*values])
-    if is_still(last):
-        return "still"
-    return str(last) if len(values) > 1 and values[-2] == last else "varying"
 
 
 def _observation(run: Run) -> Observation:

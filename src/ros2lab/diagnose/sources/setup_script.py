@@ -231,8 +231,8 @@ def _take_configuration(script: SetupScript, folder: Path) -> None:
             _found_by_cfg(folder, parser, value.strip()) if value.startswith("find") else value.split()
         )
     if "package_dir" in options:
-        pairs = (row.partition("=") for row in re.split(r"[\n,]", options["package_dir"].strip()))
-        given["package_dir"] = {name.strip(): where.strip() for name, _, where in pairs}
+        rows = (row.split("=", 1) for row in re.split(r"[\n,]", options["package_dir"]) if "=" in row)
+        given["package_dir"] = {name.strip(): where.strip() for name, where in rows}
     given |= dict.fromkeys({"py_modules", "scripts"} & {*options}, UNKNOWN)
     if parser.has_option("metadata", "name"):
         given["name"] = parser.get("metadata", "name")
