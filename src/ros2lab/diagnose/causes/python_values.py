@@ -104,7 +104,10 @@ def operator(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     sign = re.search(r"for ([^ :]+):|'(\S+)' not supported", match.string)
     fix = unwrapped(spot, (match["left"], match["right"]), (sign[1] or sign[2]) if sign else "") or fix
     does = "compares" if sign and sign[2] else "combines"
-    return f"`{spot.text}` {does} {left} with {right}, which Python cannot do.", fix
+    why = "which Python cannot do"
+    if ".from_msg(" in fix:
+        why = "and at least one of them is a message, which has only sec and nanosec: it must become one of rclpy first"
+    return f"`{spot.text}` {does} {left} with {right}, {why}.", fix
 
 
 def unhashable(match: re.Match[str], spot: Spot) -> tuple[str, str]:

@@ -221,6 +221,13 @@ class Scope:
         return name if interfaces.is_interface(name) else ""
 
 
+def kind_within(source: PythonSource, node: ast.expr) -> Kind:
+    """Return the kind of an expression's value, as far as its own file tells."""
+    sources = NodeSources({source.name: source})
+    around = next((row[:2] for row in sources.scoped(source) if row[2] is node), (None, None))
+    return Scope(Kinds(sources), source, *around).kind(node)
+
+
 def _asks_for_type(function: Function, name: str) -> bool:
     """Return whether a function finds out itself what a variable holds, as with isinstance()."""
     for node in own_nodes(function):
