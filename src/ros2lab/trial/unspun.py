@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ros2lab.diagnose.checking.later_results import awaited
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.entrance_faults import left_out, second_spins
 from ros2lab.diagnose.nodes.executors import two_executors
@@ -145,13 +146,14 @@ def _asking(
     node = ast.unparse(client.value) if isinstance(client, ast.Attribute) else makers[0]
     given = ", ".join(map(ast.unparse, (*call.args, *call.keywords)))
     kept = next((n for n in source.nodes if isinstance(n, ast.Assign) and n.value is call), None)
-    result = f"{ast.unparse(kept.targets[0])} = future.result()" if kept else "future.result()"
-    asks = f"future = {ast.unparse(client)}.call_async({given})"
-    fix = f"write three lines instead: `{asks}`, `rclpy.spin_until_future_complete({node}, future)` and `{result}`"
-    why = f"nothing spins {node} before this"
-    if is_called_back:
-        fix = f"write `{asks}` and `future.add_done_callback(self.answered)`, and use the response in that method"
-        why = "the executor waits for this callback to return"
+    result = f"{ast.unparse(kept.targets[0])} = " if kept else ""
+    asks = f"{ast.unparse(client)}.call_async({given})"
+    fix = awaited(asks, node, result, call.lineno, is_called_back=is_called_back)
+    why = (
+        "the executor waits for this callback to return"
+        if is_called_back
+        else f"nothing spins {node} before this"
+    )
     cause = f"`{ast.unparse(call)}` waits forever: the response arrives only during a spin, but {why}."
     return Finding("not-spinning", cause, source.at(call), fix)
 

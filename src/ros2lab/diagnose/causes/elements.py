@@ -9,7 +9,8 @@ from ros2lab.diagnose.causes.guards import left_out, may_be_left
 from ros2lab.diagnose.finding import these_lines
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import last_name, own_nodes
+from ros2lab.diagnose.sources.kinds import kind_within
+from ros2lab.diagnose.sources.python_source import given_to, last_name, own_nodes, parameters
 from ros2lab.diagnose.sources.spelling import nearest
 
 
@@ -30,6 +31,49 @@ def subscripted(match: re.Match[str], spot: Spot) -> tuple[str, str]:
     if fields:
         fix = "use its field that is a list or a string, such as msg.data"
     return cause, fix
+
+
+def numbered(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
+    """Return cause and fix for an index that is no whole number, such as a name."""
+    asked = key_asked(spot)
+    if asked is None:
+        return f"In `{spot.text}` an index is no whole number.", "write the number of the element, from 0 on"
+    name, key = ast.unparse(asked.value), ast.unparse(asked.slice)
+    cause = f"The elements of {name} have numbers, from 0 on, and {key} is no whole number."
+    if not isinstance(asked.slice, ast.Constant):
+        return (
+            cause,
+            f"use a whole number there, which says how many elements come before it, instead of {key}",
+        )
+    beside, field = _named_by(spot, asked.value)
+    if beside:
+        cause += f" They are in the order of {beside}."
+        return cause, f"write `{name}[{beside}.index({key})]` instead of `{ast.unparse(asked)}`"
+    if field:
+        cause += f" Each element has its own {field}."
+        found = f"next(item for item in {name} if item.{field} == {key})"
+        return cause, f"write `{found}` instead of `{ast.unparse(asked)}`"
+    return cause, f"print {name} just above this line, and write the number of the element instead of {key}"
+
+
+def _named_by(spot: Spot, items: ast.expr) -> tuple[str, str]:
+    """Return what says which element of a list is which: another list of the message, or a field of each element; else empty."""
+    if not isinstance(items, ast.Attribute):
+        calls = [c for c in spot.file.calls if last_name(c.func).endswith("_set_parameters_callback")]
+        named = {last_name(value) for call in calls for value in given_to(call)}
+        taken = [p.arg for p in parameters(spot.function)] if spot.function else []
+        is_given = spot.function and spot.function.name in named and last_name(items) in taken
+        return "", "name" if is_given else ""
+    fields = interfaces.fields_of(kind_within(spot.file, items.value)) or {}
+    item = re.sub(r"sequence<([\w/]+).*|\[.*", r"\1", fields.get(items.attr, ""))
+    own = interfaces.fields_of(interfaces.field_kind(item)) or {}
+    lists = [
+        f for f, kind in fields.items() if re.match(r"sequence<string|string\[", kind) and f != items.attr
+    ]
+    if len(lists) == 1 and not any("<" in kind for kind in own.values()):
+        return f"{ast.unparse(items.value)}.{lists[0]}", ""
+    texts = [field for field, kind in own.items() if kind == "string"]
+    return "", "name" if "name" in texts else "".join(texts[:1])
 
 
 def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable
 
 from ros2lab.diagnose.causes import python_values
-from ros2lab.diagnose.causes.elements import beyond, no_key, none_left, subscripted
+from ros2lab.diagnose.causes.elements import beyond, no_key, none_left, numbered, subscripted
 from ros2lab.diagnose.causes.guards import head
 from ros2lab.diagnose.causes.not_running import destroyed, not_running
 from ros2lab.diagnose.checking.operands import held_in
@@ -226,6 +226,7 @@ _SAYINGS: tuple[_Saying, ...] = (
         none_left,
     ),
     (r"IndexError: (?P<name>.+)", beyond),
+    (r"TypeError: (?!string)\w+ indices must be integers", numbered),
     (r"ZeroDivisionError", python_values.by_zero),
     (
         r"ValueError: (?:could not convert string to float|invalid literal for int\(\).*): (?P<name>.+)",

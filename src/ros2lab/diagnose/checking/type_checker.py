@@ -17,6 +17,7 @@ from ros2lab.diagnose.checking.call_forms import (
 )
 from ros2lab.diagnose.checking.checked_copies import checked, first_that_stands
 from ros2lab.diagnose.checking.items import refused_items
+from ros2lab.diagnose.checking.later_results import of_future
 from ros2lab.diagnose.checking.members import in_place_of, without_like
 from ros2lab.diagnose.checking.objections import Doubts, objections_of, owner_and_name
 from ros2lab.diagnose.checking.of_a_node import of_a_node
@@ -206,7 +207,8 @@ def _of_member(rule: str, said: dict[str, str], spot: Spot, look: Look) -> Findi
     code, cause, fix = _of_value(rule, said, spot, look)
     told = None
     if rule == "missing-attribute":
-        told = (of_a_node(name, spot) if owner == "rclpy" else None) or of_another_owner(owner, name, spot)
+        told = of_a_node(name, spot) if owner == "rclpy" else of_future(owner, name, spot, look)
+        told = told or of_another_owner(owner, name, spot)
     if told:
         cause, fix = told
     elif said.get("name") and said.get("given"):

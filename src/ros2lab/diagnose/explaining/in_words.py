@@ -12,6 +12,7 @@ from ros2lab.diagnose.causes.filled import published
 from ros2lab.diagnose.causes.not_running import shut_by
 from ros2lab.diagnose.causes.python_says import of_error, of_function
 from ros2lab.diagnose.causes.undeclared_arguments import default_of
+from ros2lab.diagnose.checking.later_results import of_future
 from ros2lab.diagnose.checking.members import in_place_of, without_like
 from ros2lab.diagnose.code.bound_names import global_names
 from ros2lab.diagnose.code.meant_names import meant, used_too_early
@@ -178,7 +179,10 @@ def _no_attribute(groups: Mapping[str, str], near: str, place: str, look: Look) 
         return of_function(name, place, spot_at(place, look))
     spot = spot_at(place, look)
     name = as_written(name, spot)
-    told = not_set(name, owner, spot, look)
+    later = of_future(owner, name, spot, look)
+    told = (
+        Finding("attribute-missing", later[0], place, later[1]) if later else not_set(name, owner, spot, look)
+    )
     if not told and spot.source and not re.search(rf"\b{name}\b", spot.source.text):
         fix = "compare what this line passes with what the function that it calls takes"
         asks = Finding("attribute-unknown", f"What this line calls asks {owner} for {name}.", place, fix)
