@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from ros2lab.diagnose.causes.waited import waited_for
 from ros2lab.diagnose.checking.later_results import awaited
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.entrance_faults import left_out, second_spins
@@ -18,7 +19,6 @@ from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, walk
 from ros2lab.grading.evidence import Run
 from ros2lab.trial.unmade import kept_as
-from ros2lab.trial.waited import waited_for
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
@@ -35,7 +35,7 @@ def unspun_fault(seen: Seen, run: Run, name: str, node: str) -> Finding | None:
     if found is not None and _only_publishes(found, node):
         return None
     spot, is_called_back = _stood(seen, str(run.stopped.get(name, {}).get("said", "")))
-    if spot is not None and (told := waited_for(seen, spot)):
+    if spot is not None and (told := waited_for(seen.look, spot)):
         return told
     if found is not None:
         left = [one for one in left_out(found, is_unspun=True) if one.code == "not-spinning"]

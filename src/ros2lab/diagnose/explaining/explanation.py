@@ -36,7 +36,7 @@ from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.meanings import MEANINGS
 from ros2lab.diagnose.explaining.needed import is_refuted, of_needed, seen_there
 from ros2lab.diagnose.explaining.other_ends import of_other_end
-from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, without_own
+from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, still_waiting, without_own
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
 from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.explaining.ros_variables import of_ros_variable
@@ -97,7 +97,8 @@ def _of_error(error: ErrorText, text: str, beside: Iterable[Finding], look: Look
     """Return the findings that explain an error; else those that are known of its files or workspace."""
     known = [*beside]
     found = _explained(error, known, look)
-    if not error.reports and (quiet := of_quiet_program(text, look)):
+    quiet = None if error.reports else of_quiet_program(text, look) or still_waiting(text, look)
+    if quiet:
         return [quiet, *(finding for finding in found or known if finding.place != quiet.place)]
     if not found and not (error.is_clear and (error.reports or not own_words(error, look))):
         return known or _undecided(error, look)

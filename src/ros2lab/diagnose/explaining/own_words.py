@@ -6,10 +6,12 @@ import ast
 import re
 from collections.abc import Iterator
 
+from ros2lab.diagnose.causes.waited import waited_for
 from ros2lab.diagnose.explaining.refused_settings import refused_setting
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, Frame, own_frames
+from ros2lab.diagnose.printed.spots import Spot, spot_at
 from ros2lab.diagnose.printed.transcript import WARNING
 from ros2lab.diagnose.sources.joined_texts import VALUE, text_of, text_pattern
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
@@ -75,6 +77,18 @@ def own_words(error: ErrorText, look: Look) -> Finding | None:
 def is_own_log(line: str, look: Look) -> bool:
     """Return whether a logger of the student's own nodes wrote a line."""
     return any(_logged(line, look))
+
+
+def still_waiting(text: str, look: Look) -> Finding | None:
+    """Say for which server a program waits in vain, by the last that it logged, in the loop of the wait; None if it does not, or if the server may yet come."""
+    line = next(reversed(re.sub(r"(?:\s|\^C)+\Z", "", text).splitlines()), "")
+    for _, place in _logged(line, look) if look else ():
+        spot = spot_at(place, look)
+        for loop in spot.file.around(spot.line, ast.While):
+            found = waited_for(look, Spot(spot.source, loop.lineno))
+            if found and "offers it" not in found.cause:
+                return found
+    return None
 
 
 def _logged(line: str, look: Look) -> Iterator[tuple[str, str]]:

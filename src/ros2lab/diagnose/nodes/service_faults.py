@@ -123,7 +123,7 @@ def server_for(
     near = [end for end in alike if is_near_miss(client.name, end.name)]
     if not near and (server := _only_one_of_its_type(client, of_kind, lone, served)):
         is_own = is_missed or client.type.partition(".")[0] in own
-        is_told = is_own or (is_alone and _are_of_the_same_words(client.name, server.name))
+        is_told = is_own or (is_alone and _are_of_one_name(client, server))
         near = [server] if is_told else []
     return next(iter(near), None)
 
@@ -178,8 +178,11 @@ def service_faults(
         yield Finding("topic-near-miss", cause, client.place, fix)
 
 
-def _are_of_the_same_words(name: str, other: str) -> bool:
-    """Return whether two names differ only in their namespaces or in the order of their words."""
-    shorter, longer = sorted((name, other), key=lambda text: len(words_of(text)))
+def _are_of_one_name(client: ServiceEnd, server: ServiceEnd) -> bool:
+    """Return whether two names differ only in their namespaces, of which a `~` stands for the own node, or in the order of their words."""
+    names = (client.name, server.name)
+    if client.written.startswith("~") and len({name.rpartition("/")[2] for name in names}) == 1:
+        return True
+    shorter, longer = sorted(names, key=lambda text: len(words_of(text)))
     last, less, more = ({*words_of(text)} for text in (longer.rpartition("/")[2], shorter, longer))
     return last <= less <= more

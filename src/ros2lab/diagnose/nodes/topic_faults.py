@@ -204,7 +204,7 @@ def _near_misses(
 
 
 def _only_other(end: End, by_topic: Mapping[str, list[End]]) -> list[tuple[str, list[End]]]:
-    """Return the only topic that fits an end which is named after its type, its callback or the node that publishes."""
+    """Return the only topic that fits an end which is named after its type, its callback or the node that publishes, or that another node has."""
     kind = (end.type or "").split(".")
     fitting = [
         (name, [o for o in ends if o.type == end.type and _may_connect(end, o)])
@@ -213,6 +213,10 @@ def _only_other(end: End, by_topic: Mapping[str, list[End]]) -> list[tuple[str, 
     other = [(name, ends) for name, ends in fitting if ends]
     nodes = [o.sources.node_name(o.creation) for _, ends in other for o in ends if not end.is_publisher]
     taken = {"/".join(kind), "/".join(kind[::2]), kind[-1], last_name(end.creation.given("callback")), *nodes}
+    is_own = end.is_private and not end.is_publisher  # which only its own node could publish on
+    taken |= {
+        end.topic for name, _ in other if is_own and name.rpartition("/")[2] == end.topic.rpartition("/")[2]
+    }
     return other if end.type and len(other) == 1 and end.topic in taken else []
 
 

@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import ast
-from typing import TYPE_CHECKING
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.nodes.service_faults import ServiceEnd, server_for, service_ends
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.service_faults import ServiceEnd, server_for
+from ros2lab.diagnose.printed.names_there import all_service_ends
 from ros2lab.diagnose.printed.spots import Spot
-
-if TYPE_CHECKING:
-    from ros2lab.trial.seen import Seen
 
 _WAITS = frozenset(("wait_for_service", "wait_for_server"))
 
 
-def waited_for(seen: Seen, spot: Spot) -> Finding | None:
+def waited_for(look: Look, spot: Spot) -> Finding | None:
     """Return the fault of a line in which a program waits for a server; None if the line does something else.
 
     Args:
-        seen: the runs.
-        spot: the line at which the program was stopped.
+        look: the workspace.
+        spot: the line at which the program was stopped, or goes on waiting.
     """
     source = spot.source
-    ends = [end for package in seen.look.packages for end in service_ends(seen.look.sources(package))]
-    for call in (node for node in spot.nodes if isinstance(node, ast.Call)):
+    ends = all_service_ends(look)
+    for call in spot.calls:
         func = call.func
         if source is None or not isinstance(func, ast.Attribute) or func.attr not in _WAITS:
             continue
