@@ -302,15 +302,27 @@ def _made_again(sources: NodeSources, source: PythonSource, functions: list[Func
                 if "publisher" in does and _is_used_at_once(sources, source, function, node):
                     does += ", to which no subscriber is connected yet when it is used"
                 cause = f"{first.name}() is called repeatedly and {does}."
-                if how != "create_timer" and (key := _from_outside(function, node)):
+                key = _from_outside(function, node)
+                if key and how in ("create_publisher", "create_client"):
                     fix = f"keep each in a dictionary of self under `{key}`, and call {how}(...) only where the dictionary has none for it yet"
+                elif ends or key:
+                    fix = _in_its_place(source, node)
                 if ends:
-                    name, end = source.name_of(node), f"self.{how.replace('create', 'destroy')}"
                     cause += f" `{ast.unparse(ends[0])}` on line {ends[0].lineno} ends only the last one."
-                    fix = f"write `if {name} is not None:` above this line, and `{end}({name})` indented below it"
-                    if len(assigned_to(source.nodes, name)) < 2:
-                        fix += f"; and `{name} = None` in __init__"
                 yield Finding(code, cause, source.at(node), fix)
+
+
+def _in_its_place(source: PythonSource, made: ast.Call) -> str:
+    """Say how to end what a callback made the last time, where another takes its place."""
+    what = last_name(made.func).removeprefix("create_")
+    name = source.name_of(made) or f"self.{what}"
+    others = [value for value in assigned_to(source.nodes, name) if value is not made]
+    end = f"`self.destroy_{what}({name})`"
+    fix = "" if source.name_of(made) else f"write `{name} = {ast.unparse(made)}` here; and "
+    if others and all(isinstance(value, ast.Call) for value in others):
+        return f"{fix}write {end} above this line, so that the new one takes the place of the one before"
+    fix += f"write `if {name} is not None:` above this line, and {end} indented below it"
+    return fix if others else f"{fix}; and `{name} = None` in __init__"
 
 
 def _from_outside(function: Function, made: ast.Call) -> str:
