@@ -13,9 +13,10 @@ from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.similar_names import as_another, as_foreign
 from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of, compared, first_value
 from ros2lab.diagnose.code.unquoted_texts import as_path, as_text
+from ros2lab.diagnose.finding import these_lines
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.commented_out import put_back
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
 from ros2lab.diagnose.sources.syntax_parts import needed_by, stores_in
@@ -392,8 +393,14 @@ def _unexplained(unknown: Unknown) -> Reading:
         cause = f"{cause_of(unknown)} Alone on its line, it would do nothing."
         return cause, removal(unknown.source, alone or unknown.node, "this line")
     if unknown.name in ("self", "cls"):
-        fix = f"move the statement into a method whose first parameter is {unknown.name}, or remove it"
-        return f"{cause_of(unknown)} It exists only inside a method.", fix
+        fix = (
+            _moved(unknown)
+            or f"move the statement into a method whose first parameter is {unknown.name}, or remove it"
+        )
+        return (
+            f"{unknown.name} is used outside of any method, but exists only inside one, as its first parameter.",
+            fix,
+        )
     if unknown.is_called:
         fix = f"write the object that {unknown.name} belongs to, and a dot, before it; otherwise import or define it above"
     elif unknown.name[:1].isupper() and (unknown.attributes or not unknown.name.isupper()):
@@ -401,3 +408,22 @@ def _unexplained(unknown: Unknown) -> Reading:
     else:
         fix = f"write a line above it that gives {unknown.name} its value"
     return cause_of(unknown), fix
+
+
+def _moved(unknown: Unknown) -> str:
+    """Say how a statement of a class's body that needs self is to stand in __init__; empty if there is none, or if it binds nothing."""
+    source, statement = unknown.source, unknown.statement
+    around = source.above(statement)
+    names = [last_name(target) for target in getattr(statement, "targets", ())]
+    body = around.body if isinstance(around, ast.ClassDef) and len(names) == 1 else []
+    made = [node for part in body if getattr(part, "name", "") == "__init__" for node in walk(part)]
+    begins = [n for n in made if isinstance(n, ast.Call) and last_name(n.func) == "__init__"]
+    if not begins or not isinstance(statement, ast.Assign):
+        return ""
+    name, last = names[0], begins[0].end_lineno
+    fix = f"write `self.{name} = {ast.unparse(statement.value)}` below line {last}, in __init__, and {removal(source, statement, 'this line')}"
+    whole = f"{getattr(around, 'name', '')}.{name}"
+    others = sorted(
+        {n.lineno for n in source.nodes if isinstance(n, ast.Attribute) and ast.unparse(n) == whole}
+    )
+    return f"{fix}; and write self.{name} instead of {whole} on {these_lines(others)}" if others else fix
