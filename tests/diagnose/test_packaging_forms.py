@@ -387,3 +387,26 @@ def test_of_a_build_that_is_shown_to_fail_it_is_not_told_that_there_is_none(tmp_
     files.texts["install/setup.bash"] = ""
     text = ASSERTED.replace("get_data_files_mapping", "other").replace("python/__init__", "other")
     assert "not-built" not in {found.code for found in of_text(text, files.write(tmp_path))}
+
+
+@pytest.mark.parametrize(
+    ("options", "codes"),
+    [
+        ("package_dir =\n    = lib\npackages = find:\n[options.packages.find]\nwhere = lib\n", []),
+        ("package_dir =\n    my_bot = lib/my_bot\npackages = my_bot\n", []),
+        ("package_dir = = lib\npackages = my_bot\n", []),
+        ("package_dir = = src\npackages = my_bot\n", ["package-folder-missing"]),
+    ],
+)
+def test_the_folders_that_setup_cfg_names_are_looked_into(
+    tmp_path: Path, options: str, codes: list[str]
+) -> None:
+    for path in ("lib/my_bot/__init__.py", "setup.py", "setup.cfg"):
+        (tmp_path / "src" / "my_bot" / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "src" / "my_bot" / path).touch()
+    folder = tmp_path / "src" / "my_bot"
+    (folder / "package.xml").write_text("<package format='3'><name>my_bot</name></package>\n")
+    (folder / "setup.py").write_text("from setuptools import setup\n\nsetup(name='my_bot')\n")
+    (folder / "setup.cfg").write_text(f"[options]\n{options}")
+    found = [finding.code for finding in of_workspace(tmp_path)]
+    assert [code for code in found if code == "package-folder-missing"] == codes

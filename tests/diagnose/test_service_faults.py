@@ -38,6 +38,7 @@ def server_of(name: str, kind: str = "Trigger") -> str:
         ("/door/open", "open_door", ("'a'", "'b'")),
         ("start", "start", ("'a', namespace='hall'", "'b'")),
         ("~/start", "start", ("'a'", "'b'")),
+        ("~/start", "~/start", ("'a'", "'b'")),
         ("/wash/start", "startWash", ("'a'", "'b'")),
         ("open_gate", "open_gat", ("'a'", "'b'")),
     ],

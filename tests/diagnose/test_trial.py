@@ -255,6 +255,56 @@ def test_what_a_word_changes_is_looked_for_in_all_nodes_and_states(tmp_path: Pat
     assert said(("dance", stays), ("start", drives), ("dance", stays), ("stop", stays)) == []
 
 
+READS = "        if msg.data == 'start':\n"
+ZERO = "        if msg.data == 'zero':\n            self.count = 0\n"
+
+
+@pytest.mark.parametrize(
+    ("code", "second", "is_told", "is_refutable"),
+    [
+        (ZERO, "a", True, True),  # if what it leads to ran, it was so already
+        (ZERO, "b", True, False),
+        (ZERO.replace("self.count", "count"), "a", True, False),
+        (ZERO.replace("self.count = 0", "self.undo()"), "a", True, True),
+        ("        {'zero': self.undo}.get(msg.data, print)()\n", "a", True, True),
+        ("        match msg.data:\n            case 'zero' | 'null':\n                self.count = 0\n", "a", True, True),
+        (ZERO.replace("self.count = 0", "if self.count:\n                self.count = 0"), "a", False, False),
+        (ZERO.replace("'zero':", "'zero' and self.count:"), "a", False, False),
+        ("        match msg.data.split():\n            case ['unlock', 'zero']:\n                pass\n", "a", False, False),
+        ("        match (self.count, msg.data):\n            case 2, 'zero':\n                pass\n", "a", False, False),
+        ("        words = msg.data.split()\n        if words[1] == 'zero':\n            pass\n", "a", False, False),
+        ("        key, _, value = msg.data.partition(':')\n        if value == 'zero':\n            pass\n", "a", False, False),
+        ("        for word in msg.data.split():\n            if word == 'zero':\n                pass\n", "a", False, False),
+        ("        word = msg.data\n        word = word.strip().lower()\n        if word == 'zero':\n            pass\n", "a", True, False),
+    ],
+)  # fmt: skip
+def test_a_word_may_lead_to_the_state_in_which_it_was_sent(
+    tmp_path: Path, code: str, second: str, *, is_told: bool, is_refutable: bool
+) -> None:
+    """It is no fault if it did what it is for, and nothing is known of what is only a part of a text."""
+    words = [
+        ("dance", "a"),
+        ("start", "b"),
+        ("dance", "a"),
+        ("zero", "a"),
+        ("dance", second),
+        ("zero", second),
+    ]
+    commands = [CommandSeen(word, [["INFO", said]], {}, {}, True) for word, said in words]
+    run = run_of("command_subscriber", "/none", STRING, None)
+    listens = {"/robot/command": {"/command_subscriber": [STRING]}}
+    run = replace(run, publishes={}, subscribes=listens, commands=commands)
+    files = right_workspace().change("listener", READS, f"{code}{READS}")
+    files.change(
+        "listener",
+        "    def command_callback",
+        "    def undo(self):\n        print(self.count)\n\n    def command_callback",
+    )
+    found = [*seen_faults(Seen(Look(files.write(tmp_path)), assignments.load(), [run], []))]
+    assert [one.code for one in found] == ["word-unanswered"] * is_told
+    assert [bool(one.never) for one in found] == [is_refutable] * is_told
+
+
 @pytest.mark.parametrize(
     ("started", "topic", "is_told"),
     [

@@ -112,3 +112,23 @@ def test_a_class_that_others_inherit_or_import_is_theirs_to_use(
         files.put("../shop/shop/__init__.py", "")
     found = [one.code for one in of_workspace(files.write(tmp_path))]
     assert ("never-called" in found) is is_told
+
+
+BY_MEMBERS = "for name in dir(self):\n            if name.startswith('on_'):\n                self.create_subscription(String, name, METHOD, 10)"
+ON_TEA = "def on_tea(self, msg):\n    self.count += 1"
+
+
+@pytest.mark.parametrize(
+    ("begin", "is_told"),
+    [
+        (BY_MEMBERS.replace("METHOD", "getattr(self, name)"), False),
+        ("for name, method in inspect.getmembers(self):\n            print(name, method)", False),
+        ("self.create_subscription(String, 'a', getattr(self, 'on_' + self.get_name()), 10)", False),
+        ("for name in vars(type(self)):\n            print(name)", False),
+        ("print(type(self).__dict__)", False),
+        ("print(getattr(self, 'count'))", True),
+        ("pass", True),
+    ],
+)
+def test_what_goes_through_all_members_may_register_any(tmp_path: Path, begin: str, *, is_told: bool) -> None:
+    assert [finding.code for finding in found_in(tmp_path, ON_TEA, begin)] == ["never-called"] * is_told

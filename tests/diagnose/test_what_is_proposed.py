@@ -554,6 +554,13 @@ def commented(name: str) -> Files:
             "move the statement into a method whose first parameter is self",
         ),
         (
+            right().change(
+                "node", "    def __init__", "    pub = self.create_client(String, 'a')\n\n    def __init__"
+            ),
+            "name-undefined",
+            "write `self.pub = self.create_client(String, 'a')` below line 10, in __init__, and remove this line",
+        ),
+        (
             right()
             .put("config/bridge.yaml", "- topic: a\n")
             .change(

@@ -109,9 +109,11 @@ def _is_whole(source: PythonSource, node: ast.expr, depth: int = 5) -> bool:
 
 def _changing(source: PythonSource, body: Iterable[ast.AST]) -> Iterator[str]:
     """Yield the places of what changes a state: a function, a call, or what is assigned to a name that is read."""
-    loaded = {last_name(n) for n in source.nodes if isinstance(getattr(n, "ctx", None), ast.Load)}
+    loaded = {(type(n), last_name(n)) for n in source.nodes if isinstance(getattr(n, "ctx", None), ast.Load)}
     for node in body:
-        stored = {last_name(n) for n in walk(node) if isinstance(getattr(n, "ctx", None), ast.Store)}
+        stored = {
+            (type(n), last_name(n)) for n in walk(node) if isinstance(getattr(n, "ctx", None), ast.Store)
+        }
         if isinstance(node, ast.Expr) or (isinstance(node, ast.stmt) and stored & loaded):
             yield source.at(node)
         yield from (
