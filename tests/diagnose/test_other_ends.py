@@ -96,9 +96,9 @@ LETTERS = "TypeError: Scanner.wipe() takes 2 positional arguments but 6 were giv
 @pytest.mark.parametrize(
     ("start", "error", "fix"),
     [
-        ("threading.Thread(target=rclpy.spin, args=(node)).start()", NO_TUPLE, "write (node,) instead of node"),
-        ("threading.Timer(1.0, rclpy.spin, args=node).start()", NO_TUPLE, "write (node,) instead of node"),
-        ("threading.Thread(target=node.wipe, args=('start')).start()", LETTERS, "write ('start',) instead of 'start'"),
+        ("threading.Thread(target=rclpy.spin, args=(node)).start()", NO_TUPLE, "write `args=(node,)` instead of `args=(node)`"),
+        ("threading.Timer(1.0, rclpy.spin, args=node).start()", NO_TUPLE, "write `args=(node,)` instead of `args=node`"),
+        ("threading.Thread(target=node.wipe, args=('start')).start()", LETTERS, "write `args=('start',)` instead of `args=('start')`"),
         ("threading.Thread(target=node.wipe, args=('a', 'b')).start()", LETTERS, ""),
         ("threading.Thread(target=rclpy.spin, args=[node]).start()", NO_TUPLE, ""),
     ],

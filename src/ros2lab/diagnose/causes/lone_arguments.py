@@ -26,9 +26,7 @@ def of_lone_argument(error: ErrorText, look: Look) -> Finding | None:
             value = source.written(args.value) if args else None
             is_text = isinstance(value, ast.JoinedStr) or isinstance(getattr(value, "value", None), str)
             if args and not isinstance(value, (ast.Tuple, ast.List)) and (is_text or not said["many"]):
-                text = ast.unparse(args.value)
                 cause = f"`{source.segment(args)}` hands on no tuple: a comma makes one, parentheses alone do not."
-                return Finding(
-                    "made-wrong", cause, source.at(args.value), f"write ({text},) instead of {text}"
-                )
+                fix = f"write `args=({ast.unparse(args.value)},)` instead of `{source.segment(args)}`"
+                return Finding("made-wrong", cause, source.at(args.value), fix)
     return None

@@ -50,7 +50,9 @@ def answered(function: Function, returns: Mapping[ast.Return, bool], answer: str
                 else f", with {text} in the field of {answer} for it"
             )
     if is_open:
-        rows.append(f"`return {answer}` as the last line of {function.name}()")
+        last = function.body[-1]
+        like = f", indented like line {last.lineno}" if last.end_lineno != last.lineno else ""
+        rows.append(f"`return {answer}` as the last line of {function.name}(){like}")
     return f"write {in_a_row(rows)}"
 
 
