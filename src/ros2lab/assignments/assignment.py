@@ -123,6 +123,10 @@ class Part:
         """Return whether a text, such as a name, holds one of its words."""
         return any(word.lower() in text.lower() for word in self.words)
 
+    def is_about(self, topic: str) -> bool:
+        """Return whether a topic holds one of its words, or of those of its own topic."""
+        return self.is_meant(topic) or any(word in topic.lower() for word in re.findall(r"[a-z]+", self.topic))
+
 
 @dataclass(frozen=True)
 class Assignment:

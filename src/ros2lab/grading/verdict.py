@@ -40,9 +40,10 @@ NOT_DONE = "This could not be tried here: {}. But {}."
 DO = "Write what the node is to do, also where it cannot be tried."
 DOUBTED = "Only {share:.0%} of it counts, because {why}."
 OTHER_TYPE = "the node that is meant for {wanted} has another type than {wanted_type}"
-OTHER_NODE = "neither its topic nor what else would tell that this node is meant for {wanted} is right"
+OTHER_NODE = "its topic is not {wanted}, and nothing else tells that this node is meant for it"
 MEANT = "Use the topic {wanted} and the type {wanted_type}."
-OTHER_TOPICS, WRONG_TYPE = ("near", "other"), "wrong"  # answers about a node's topic, and its type
+STRANGE, WRONG_TYPE = "strange", "wrong"  # answers about a node's topic, and its type
+OTHER_TOPICS = ("near", "other", STRANGE)
 MISSING = "missing"
 ABSENT = (MISSING, "written")  # of a node that was not seen
 
@@ -136,19 +137,24 @@ def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str])
 def _weighed(
     rubric: Rubric, answers: Mapping[str, Answer], judged: Sequence[Judgement]
 ) -> Iterator[Judgement]:
-    """Yield the judgements; what any node does counts less where little tells that the part's node is meant."""
+    """Yield the judgements; what any node does counts less where little tells that the part's node is meant.
+
+    Where its topic has no word of the part's either, all that it does counts less once more.
+    """
     telling = {criterion.id for criterion in rubric.criteria if QUESTIONS[criterion.question].tells}
     doubted = {name: why for name in rubric.assignment.parts if (why := _doubt(rubric, name, answers))}
+    strange = {one.component: one.hint for one in judged if answers[one.id].level == STRANGE}
     for judgement in judged:
-        is_doubted = judgement.component in doubted and judgement.id not in telling
-        if is_doubted and judgement.points and rubric.doubted < 1:
+        name, is_telling = judgement.component, judgement.id in telling
+        share = rubric.doubted ** ((not is_telling) + (name in strange)) if name in doubted else 1
+        if share < 1 and judgement.points:
             seen = answers[judgement.id].seen
-            why = doubted[judgement.component].format_map(seen)
+            why = doubted[name].format_map(seen)
             yield replace(
                 judgement,
-                points=round(judgement.points * rubric.doubted, 2),
-                reason=f"{judgement.reason} {DOUBTED.format(share=rubric.doubted, why=why)}",
-                hint=judgement.hint or MEANT.format_map(seen),
+                points=round(judgement.points * share, 2),
+                reason=f"{judgement.reason} {DOUBTED.format(share=share, why=why)}",
+                hint=strange.get(name) or judgement.hint or MEANT.format_map(seen),
             )
         else:
             yield judgement

@@ -71,7 +71,7 @@ OF_TYPE = frozenset(("right", "stamped", "alike"))  # what tells a part's node i
 
 
 @question(
-    "right unused doubled apart near other written missing",
+    "right unused doubled apart near other strange written missing",
     "topic node why unused",
     CODES | TOPIC_CODES,
     tells="right unused doubled apart",
@@ -89,6 +89,8 @@ def has_its_topic(case: Case, part: Part) -> Answer:
     if part.is_publisher and not any(one.is_heard for one in case.players[part.name]):
         seen["verb"] = "has a publisher for"
     level = "other" if player.is_guessed else player.match
+    if level == "other" and player.match != "misplaced" and not part.is_about(player.topic):
+        level = "strange"
     seen["why"] = _owned(case, player)
     if player.match == "right" and case.is_apart(part):
         level = "apart"
