@@ -215,6 +215,8 @@ HELD = "self.motor = Motor()\nself.create_timer(1.0, self.tick)"
         (robot("self.words = ['slow', fast]"), "name-undefined", "write `self.words = ['slow', 'fast']` if it is meant as a string; otherwise import or define fast above"),
         (robot("self.sum = self.add(1, 2)", "def add(a, b):\n    return a + b"), "callback-arguments", "write `def add(self, a, b):`"),
         (robot("self.create_timer(1.0, self.tick)", "def tick(self):\n    self.destroy()"), "attribute-missing", "write self.destroy_node, or define self.destroy in __init__"),
+        (robot("self.create_subscriber(String, 't', self.tick, 10)", "def tick(self, message):\n    pass"), "attribute-missing", "write self.create_subscription, or define self.create_subscriber in __init__"),
+        (robot("self.create_sub(String, 't', self.tick, 10)", "def tick(self, message):\n    pass"), "attribute-missing", "write self.create_subscription, or define self.create_sub in __init__"),
         (robot("self.create_timer(1.0, self.tikc)", "def tick(self):\n    pass"), "attribute-missing", "write self.tick, or define tikc"),
         (robot("self.create_timer(1.0, self.tick)\nself.create_timer(1.0, callback=self.tikc)", "def tick(self):\n    pass"), "attribute-missing", "define tikc, or fix its spelling"),
         (robot("self.create_timer(self.period, self.tick)", "def tick(self):\n    pass"), "attribute-missing", "set self.period in __init__, or fix its spelling"),

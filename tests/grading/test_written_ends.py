@@ -93,6 +93,12 @@ def test_whether_a_publisher_is_told_to_publish_is_read(right: str, other: str, 
         ("self.status.publish(", "self.status.publsh(", True),
         ("super().__init__(", "super().__init(", True),
         ("import String", "import Strng", True),
+        # Names of another API, or made like another one.
+        ("self.create_subscription(", "self.create_subscriber(", True),
+        ("self.create_subscription(", "self.create_sub(", True),
+        ("self.status = self.create_publisher(", "self.status = self.create_pub(", True),
+        ("create_timer(PERIOD", "create_wall_timer(PERIOD", True),
+        ("self.create_subscription(", "self.create_robot(", False),
         (
             "create_timer(PERIOD, self.tick)",
             "create_timer(1.0, self.tick)",
@@ -111,6 +117,20 @@ def test_what_was_meant_is_read_where_a_slip_ends_the_node(right: str, slip: str
         return [(end.topic, end.type_name, end.periods) for end in written_ends([one], words=WORDS)[0]]
 
     assert (told(corrected(source, found)) == told(whole)) is is_undone
+
+
+def test_what_is_said_to_be_written_instead_of_something_else_is_undone() -> None:
+    """However little the two have in common; another text or number is no slip."""
+    call = 'String, "/robot/command", self.on_command, 10)'
+    source = PythonSource("status", "status.py", SOURCE.replace("self.create_subscription(", "rclpy.Subscriber("))
+    new, old = (f"{name}({call}".replace('"', "'") for name in ("self.create_subscription", "rclpy.Subscriber"))
+    line = source.text[: source.text.index("rclpy.Subscriber(")].count("\n") + 1
+    for fix, is_undone in [
+        (f"write `{new}` instead of `{old}`", True),
+        (f"write `{new.replace('command', 'orders', 1)}` instead of `{old}`", False),
+    ]:
+        found = corrected(source, [["ros1-import", "", f"status.py:{line}", fix]])
+        assert ("self.create_subscription(" in found.text) is is_undone, fix
 
 
 def test_a_publisher_of_the_same_name_in_another_node_is_another_one() -> None:

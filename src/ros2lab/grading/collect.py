@@ -94,11 +94,10 @@ def collect(
             ends = [text for run in runs if run.setting != GIVEN for text in run.ended.values()]
             said = [built.error, *ends]
             texts = [text for text in dict.fromkeys(said) if text and not is_for_want(text)]
-            folder = submission.package.folder if submission.package else ""
             if texts:
                 with _world(root, has_sandbox=has_sandbox) as untouched:  # by the programs that ran
-                    explained = boxed.explained(untouched, folder, texts)
-                facts = replace(facts, findings=[*facts.findings, *explained])
+                    findings, meant = boxed.explained(untouched, found, assignment, texts)
+                facts = replace(facts, findings=findings, ends_meant=meant)
             wrong = readme.misgiven(commands, runs, facts)
             facts = replace(facts, readme_commands=commands, readme_misgiven=wrong)
     seconds["total"] = time.monotonic() - start

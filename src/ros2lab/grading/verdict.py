@@ -210,7 +210,7 @@ def _faults(
         components = list(dict.fromkeys(judgement.component for judgement in owners))
         if not owners and finding.code in ALWAYS_WRONG:
             components = owners_of(case, finding)[:1]
-        key = (finding.code, finding.cause, finding.place)
+        key = (finding.code, finding.cause.partition(" Did you mean")[0], finding.place)
         if components and key not in told:
             told.add(key)
             texts = (shown(text, LONGEST_FAULT) for text in (finding.cause, finding.place, finding.fix))

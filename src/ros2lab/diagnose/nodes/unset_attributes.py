@@ -23,7 +23,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.signatures import signature_of
-from ros2lab.diagnose.sources.spelling import has_other_words, may_mean, nearest, words_of
+from ros2lab.diagnose.sources.spelling import begin_alike, has_other_words, may_mean, nearest, words_of
 from ros2lab.diagnose.sources.syntax_parts import calls_in, is_property, needed_by
 
 _SENDERS = ("publish", "call_async", "call")
@@ -80,16 +80,19 @@ def _nearest_member(owner: NodeClass, node: ast.Attribute, members: Collection[s
     name = node.attr
     public = [member for member in members if member[0] != "_" or name[0] == "_"]
     like = [member for member in public if may_mean(name, member, public)]
-    return nearest(name, owner.attributes) or nearest(name, like) or _longer(owner, node, public)
+    return nearest(name, owner.attributes) or nearest(name, like) or _word_for_word(owner, node, public)
 
 
-def _longer(owner: NodeClass, node: ast.Attribute, members: Collection[str]) -> str | None:
-    """Return the only member of Node that a called name begins, and that takes what it is given: `destroy_node`."""
+def _word_for_word(owner: NodeClass, node: ast.Attribute, members: Collection[str]) -> str | None:
+    """Return the only member of Node with words that begin like those of a called name, and that takes what it is given.
+
+    So `destroy` is `destroy_node`, and `create_subscriber`, made like `create_publisher`, is `create_subscription`.
+    """
     call = owner.source.above(node)
     if not isinstance(call, ast.Call) or call.func is not node:
         return None
     found = list[str]()
-    for member in (m for m in members if m.startswith(f"{node.attr}_")):
+    for member in (m for m in members if begin_alike(node.attr, m)):
         asked = ast.Call(ast.Attribute(node.value, member), call.args, call.keywords)
         signature = signature_of(owner.source, asked)
         found += [member] * bool(signature and signature.accepts(call))

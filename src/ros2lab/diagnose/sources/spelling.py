@@ -135,6 +135,14 @@ def words_of(name: str) -> list[str]:
     return re.findall(r"[a-z]+|\d+", snake_case(name))
 
 
+def begin_alike(name: str, other: str) -> bool:
+    """Return whether each word of a name begins with the three letters of the word of the other that stands there."""
+    words, others = words_of(name), words_of(other)
+    return len(words) <= len(others) and all(
+        len(word) > 2 and word[:3] == found[:3] for word, found in zip(words, others, strict=False)
+    )
+
+
 def program_words(name: str) -> str:
     """Return what tells a program from others: the words of its name, in any order, without that it is a node."""
     return " ".join(sorted(word for word in words_of(name.rpartition(".")[2]) if word != "node"))

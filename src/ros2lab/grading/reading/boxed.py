@@ -11,7 +11,7 @@ from typing import Any
 
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import net
-from ros2lab.grading.evidence import Files
+from ros2lab.grading.evidence import Files, WrittenEnd
 from ros2lab.grading.evidence_json import plain, restored, typed
 from ros2lab.grading.reading.build_plan import Plan
 from ros2lab.grading.reading.unread import FACT
@@ -85,19 +85,30 @@ def read(world: World, received: Received, assignment: Assignment) -> Reading:
     return Reading(submission, facts, plan)
 
 
-def explained(world: World, folder: str, texts: Iterable[str]) -> list[list[str]]:
-    """Return the findings about the errors of a build and of programs, in the form of `Files.findings`.
+def explained(
+    world: World, reading: Reading, assignment: Assignment, texts: Iterable[str]
+) -> tuple[list[list[str]], list[WrittenEnd]]:
+    """Return `Files.findings` with those about the errors of a build and of programs first, and `Files.ends_meant` by all.
 
     Args:
         world: a copy of the submission.
-        folder: the package's folder in it.
+        reading: what was read in it.
+        assignment: the assignment for which it was handed in.
         texts: the output with the errors.
 
     Raises:
         SandboxMissing: if a box cannot be made.
     """
-    answers, _ = _ask(world, "said", {"folder": folder, "texts": [*texts]}, underlay())
-    return typed(answers.get("findings", []), list[list[str]], "findings")  # type: ignore[no-any-return]
+    asked = {
+        "assignment": assignment.plain(),
+        "submission": plain(reading.submission, ""),
+        "findings": reading.files.findings,
+        "texts": [*texts],
+    }
+    answers, _ = _ask(world, "said", asked, underlay())
+    found = typed(answers.get("findings", reading.files.findings), list[list[str]], "findings")
+    meant = answers.get("ends_meant", plain(reading.files.ends_meant, ""))
+    return found, typed(meant, list[WrittenEnd], "ends_meant")
 
 
 def _ask(

@@ -10,14 +10,17 @@ from difflib import SequenceMatcher
 
 from ros2lab.diagnose.sources.python_source import PythonSource
 
-LIKE = 0.8  # how similar what is to be written is to what stands there, at least
-_WRITE = re.compile(r"write `?(.+?)`?(?:, or (?:define|import) .*)?")
+LIKE = 0.7  # how similar what is to be written is to what stands there, at least
+_WRITE = re.compile(
+    r"write `?(?P<new>.+?)`?(?: instead of `?(?P<old>.+?)`?)?(?:, (?:or (?:define|import)|with) .*)?"
+)
 
 
 def corrected(source: PythonSource, findings: Iterable[Sequence[str]]) -> PythonSource:
     """Return a file with the fixes of the findings about its lines; itself if none of them is a slip of typing.
 
-    A slip is one of names, dots and commas: a fix that brings another text or number changes what is meant.
+    A slip is one of names, dots and commas, or a name of another API: a fix that brings another text or number changes what
+    is meant.
 
     Args:
         source: a file that Python can read.
@@ -28,12 +31,12 @@ def corrected(source: PythonSource, findings: Iterable[Sequence[str]]) -> Python
         file, _, line = place.rpartition(":")
         told = _WRITE.fullmatch(fix)
         if file == source.shown and line.isdigit() and told:
-            text = _written(text, int(line), told[1]) or text
+            text = _written(text, int(line), told["new"], told["old"]) or text
     return source if text == source.text else replace(source, text=text)
 
 
-def _written(text: str, line: int, new: str) -> str:
-    """Return a text with an expression in place of the one on a line that is nearly the same; empty if none is."""
+def _written(text: str, line: int, new: str, said: str | None) -> str:
+    """Return a text with other code in place of what is `said`, or nearly the same, on a line; empty if nothing is."""
     try:
         wanted, tree = ast.parse(new), ast.parse(text)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -42,13 +45,14 @@ def _written(text: str, line: int, new: str) -> str:
     row, best = lines[line - 1].encode(), (LIKE, 0, 0)
     for node in ast.walk(tree):
         if (
-            isinstance(node, ast.expr | ast.ImportFrom | ast.Import)
+            isinstance(node, ast.expr | ast.ImportFrom | ast.Import | ast.Assign)
             and node.lineno == node.end_lineno == line
         ):
             begin, end = node.col_offset, node.end_col_offset or 0
             old = row[begin:end].decode()
             if old != new and _constants(wanted) <= _constants(node):
-                best = max(best, (SequenceMatcher(None, old, new).ratio(), begin, end))
+                like = SequenceMatcher(None, old, new).ratio() if said is None else float(ast.unparse(node) == said)
+                best = max(best, (like, begin, end))
     _, begin, end = best
     lines[line - 1] = (row[:begin] + new.encode() + row[end:]).decode()
     mended = "\n".join(lines)

@@ -95,6 +95,14 @@ def look(
     return Files(**facts, readme=texts, readme_foreign=foreign, recordings=shown, notes=notes, unread=unread)
 
 
+def ends_meant(
+    root: Path, submission: Submission, assignment: Assignment, findings: list[list[str]]
+) -> list[WrittenEnd]:
+    """Return `Files.ends_meant` of a submission with a package, by what is found in it and in what its programs say."""
+    reader = _PackageReader(root, submission, assignment, ())
+    return reader.meant(findings)
+
+
 def _unread(why: str, read: Iterable[PythonSource]) -> dict[str, str]:
     """Return the facts that code which was not read leaves open, with the reason: not those that other code has told."""
     is_told = any(map(has_code, read))
@@ -173,7 +181,7 @@ class _PackageReader:
                 name: value for package in reversed(graded) for name, value in _declared(package).items()
             },
             "findings": lambda: self.findings,
-            "ends_meant": lambda: self._ends_in(_corrected(self.mended, self.findings))[0],
+            "ends_meant": lambda: self.meant(self.findings),
         }
 
     @cached_property
@@ -216,6 +224,9 @@ class _PackageReader:
     @cached_property
     def ends(self) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
         return self._ends_in(self.mended)
+
+    def meant(self, findings: list[list[str]]) -> list[WrittenEnd]:
+        return self._ends_in(_corrected(self.mended, findings))[0]
 
     @cached_property
     def findings(self) -> list[list[str]]:

@@ -19,6 +19,7 @@ from typing import Any
 
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import of_text
+from ros2lab.grading.evidence import Submission
 from ros2lab.grading.evidence_json import plain, restored, typed
 from ros2lab.grading.reading import files
 from ros2lab.grading.reading.build_plan import WORKSPACE, Plan, plan_for, plan_for_files
@@ -56,12 +57,16 @@ def lay_out(root: Path, asked: Mapping[str, Any]) -> Answers:
 
 
 def said(root: Path, asked: Mapping[str, Any]) -> Answers:
-    """Yield the findings about the errors of a build and of programs."""
-    texts = [as_written(text, root, asked["folder"]) for text in asked["texts"]]
-    yield (
-        "findings",
-        files.diagnosed(lambda: [finding for text in texts for finding in of_text(text, root, loads=False)]),
-    )
+    """Yield all findings, those about the errors of a build and of programs first, and the ends that are meant by them."""
+    submission = typed(asked["submission"], Submission, "submission")
+    folder = submission.package.folder if submission.package else ""
+    texts = [as_written(text, root, folder) for text in asked["texts"]]
+    found = files.diagnosed(lambda: [told for text in texts for told in of_text(text, root, loads=False)])
+    every = [*found, *asked["findings"]]
+    yield "findings", every
+    if found and submission.package:
+        assignment = Assignment.of_plain(asked["assignment"])
+        yield "ends_meant", files.ends_meant(root, submission, assignment, every)
 
 
 def as_written(text: str, root: Path, folder: str) -> str:
