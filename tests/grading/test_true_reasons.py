@@ -237,7 +237,7 @@ def test_an_entry_point_that_misses_its_module_is_not_said_to_be_missing(code: s
     evidence = replace(base, build=replace(base.build, executables=programs), runs=alone)
     one = judged(evidence, "package.executables")
     assert one.reason == f"`ros2 run` does not start velocity_publisher: {cause}"
-    assert one.hint.startswith("Write an entry point")
+    assert one.hint.startswith("Let an entry point")
 
 
 def test_what_lies_in_a_node_that_goes_on_explains_no_part_that_is_missing() -> None:
@@ -290,7 +290,7 @@ def not_imported(*names: str) -> evidences.Change:
     ("change", "points", "said"),
     [
         (not_imported(STATUS, COMMAND, VELOCITY), 1, "but what is installed does not start: Its module cannot"),
-        (evidences.facts("setup", "installs_modules"), 3, "each program is installed where `ros2 run` finds it"),
+        (evidences.facts("setup", "installs_modules"), 3, "Each program that has a node is installed where"),
         (
             evidences.both(
                 evidences.facts("setup", "scripts_go_to_lib"),
@@ -469,6 +469,42 @@ def test_all_programs_are_named_that_do_not_start(
 
     one = judged(given(evidences.misplaced(*lost, fault=fault), change), "package.executables")
     assert (one.points, one.reason.partition(": ")[0]) == (points, f"`ros2 run` does not start {named}")
+
+
+@pytest.mark.parametrize(("name", "points"), [(STATUS, 1), ("camera", 3)])
+def test_an_entry_point_to_no_file_costs_where_a_node_is_missing(name: str, points: float) -> None:
+    """To leave the file out is no better than to misname it; what no part is missed of costs nothing."""
+    cause = f"The entry point {name} names the module robot_controller.{name}, but there is no such file."
+    finding = ["entry-point-module", cause, "setup.py:20", f"create {name}.py", name]
+    nowhere = replace(
+        evidences.executable(name), command=[], modules=[], fault="Its module cannot be imported: no."
+    )
+
+    def change(evidence: Evidence) -> Evidence:
+        assert evidence.build
+        programs = [one for one in evidence.build.executables if one.name != name]
+        runs = [run for run in evidence.runs if name not in run.programs]
+        return replace(evidence, build=replace(evidence.build, executables=[*programs, nowhere]), runs=runs)
+
+    broken = evidences.facts("setup", "entry_points_lead_to_functions")
+    one = judged(given(change, broken, evidences.files(findings=[finding])), "package.executables")
+    assert one.points == points
+    assert (cause in one.reason) is (points == 1)
+
+
+def test_each_program_is_said_not_to_start_for_its_own_reason() -> None:
+    alone = [run for run in evidences.right().runs if run.setting == "alone"]
+    runs = [replace(run, programs=["Status"]) if run.programs == [STATUS] else run for run in alone]
+    nowhere = replace(evidences.executable(STATUS), command=[], fault="Its module cannot be imported: no.")
+    other = replace(evidences.executable("Status"), way="module", fault="No entry point leads to it.")
+    base = given()
+    assert base.build
+    programs = [nowhere, *(one for one in base.build.executables if one.name != STATUS), other]
+    evidence = replace(base, build=replace(base.build, executables=programs), runs=runs)
+    assert judged(evidence, "package.executables").reason == (
+        "`ros2 run` does not start Status: No entry point leads to it. "
+        "status_publisher: Its module cannot be imported: no."
+    )
 
 
 def test_what_was_typed_is_told() -> None:

@@ -122,8 +122,12 @@ def test_what_was_meant_is_read_where_a_slip_ends_the_node(right: str, slip: str
 def test_what_is_said_to_be_written_instead_of_something_else_is_undone() -> None:
     """However little the two have in common; another text or number is no slip."""
     call = 'String, "/robot/command", self.on_command, 10)'
-    source = PythonSource("status", "status.py", SOURCE.replace("self.create_subscription(", "rclpy.Subscriber("))
-    new, old = (f"{name}({call}".replace('"', "'") for name in ("self.create_subscription", "rclpy.Subscriber"))
+    source = PythonSource(
+        "status", "status.py", SOURCE.replace("self.create_subscription(", "rclpy.Subscriber(")
+    )
+    new, old = (
+        f"{name}({call}".replace('"', "'") for name in ("self.create_subscription", "rclpy.Subscriber")
+    )
     line = source.text[: source.text.index("rclpy.Subscriber(")].count("\n") + 1
     for fix, is_undone in [
         (f"write `{new}` instead of `{old}`", True),

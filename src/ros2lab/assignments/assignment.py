@@ -125,7 +125,9 @@ class Part:
 
     def is_about(self, topic: str) -> bool:
         """Return whether a topic holds one of its words, or of those of its own topic."""
-        return self.is_meant(topic) or any(word in topic.lower() for word in re.findall(r"[a-z]+", self.topic))
+        return self.is_meant(topic) or any(
+            word in topic.lower() for word in re.findall(r"[a-z]+", self.topic)
+        )
 
 
 @dataclass(frozen=True)

@@ -180,22 +180,22 @@ def _as_installed(case: Case) -> dict[str, bool]:
 
 @question(
     "all unreachable one_lost idle two_lost unread none",
-    "lost fault broken unreachable",
+    "lost broken unreachable",
     _codes(_SETUP, "has_entry_points") | _POINT_CODES | {"executable-missing"},
 )
 def nodes_are_installed(case: Case) -> Answer:
     """Whether `ros2 run` or `ros2 launch` starts every node that exists; missing nodes count elsewhere."""
     facts, build = _as_installed(case), case.evidence.build
     seen, keys = (
-        dict.fromkeys(("lost", "fault", "broken", "unreachable"), ""),
+        dict.fromkeys(("lost", "broken", "unreachable"), ""),
         ("build.executables", "files.setup"),
     )
     if build is None or not facts.get("is_there") or not build.executables:
         return Answer("none", seen, keys, "setup.py")
-    playing, faults = _lost(case)
+    playing = _lost(case)
     lost = _all_lost(case, playing)
     broken = [name for name, one in case.executables.items() if one.way == "installed" and one.fault]
-    seen |= {"lost": listed(lost), "fault": shown(faults[0], 160) if faults else "It is not installed."}
+    seen["lost"] = _told_apart(lost)
     seen["broken"] = f"; but these cannot be imported: {listed(broken)}" if broken else ""
     is_right = _has_right_points(case, is_whole=not lost and build.is_built)
     points = [executable for executable in build.executables if executable.has_entry_point]
@@ -211,10 +211,25 @@ def nodes_are_installed(case: Case) -> Answer:
     return Answer(("all", "one_lost", "two_lost")[min(count, 2)], seen, keys, "setup.py")
 
 
-def _all_lost(case: Case, playing: Sequence[str]) -> list[str]:
-    """Return the executables that do not start, those that play a part first; none where each of these starts."""
+def _all_lost(case: Case, playing: Mapping[str, str]) -> dict[str, str]:
+    """Return why each executable does not start, those that play a part first; none where each of these starts."""
     points = [one for one in case.executables.values() if one.has_entry_point and not one.package]
-    return [*dict.fromkeys((*playing, *(one.name for one in points if one.fault)))] if playing else []
+    faulty = {one.name: _why(case, one) for one in points if one.fault and one.name not in playing}
+    return {**playing, **faulty} if playing else {}
+
+
+def _why(case: Case, program: Executable) -> str:
+    """Return why a program does not start as installed: what is wrong with the entry point that is meant for it, if known."""
+    point = _point_of(case, program)
+    return point.cause if point else program.fault
+
+
+def _told_apart(lost: Mapping[str, str]) -> str:
+    """Return names with the reason of each, those of one reason together: `a and b: It is not installed.`"""
+    named: dict[str, list[str]] = {}
+    for name, fault in lost.items():
+        named.setdefault(shown(fault or "It is not installed.", 160), []).append(name)
+    return " ".join(f"{listed(names)}: {fault}" for fault, names in named.items())
 
 
 def _unreachable(build: Build, facts: Mapping[str, bool], points: Sequence[Executable]) -> str:
@@ -228,25 +243,20 @@ def _unreachable(build: Build, facts: Mapping[str, bool], points: Sequence[Execu
     return f"what is installed does not start: {shown(failing[0], 160).rstrip('.')}" if failing else nowhere
 
 
-def _lost(case: Case) -> tuple[list[str], list[str]]:
-    """Return the programs that are not installed though their nodes play a part, or would if they lived.
-
-    Returns:
-        Their names, and what is wrong with them.
-    """
-    lost, faults = list[str](), list[str]()
-    for name, players in case.players.items():
+def _lost(case: Case) -> dict[str, str]:
+    """Return the programs that are not installed though their nodes play a part, or would if they lived, with what is wrong."""
+    lost = dict[str, str]()
+    for part, players in case.players.items():
         # If the node's program is not known, it is not known either that nothing starts it.
         alike = [player for player in players if player.match == players[0].match and player.program]
-        programs = [player.program for player in alike] or _crashed(case, case.assignment.parts[name])
+        programs = [player.program for player in alike] or _crashed(case, case.assignment.parts[part])
         is_there = any(map(case.is_installed, alike)) or any(map(case.is_installed_program, programs))
         if programs and not is_there:
             program = case.executables.get(programs[0])
-            point = _point_of(case, program) if program else None
-            lost.append(programs[0].removesuffix(".py") if point else programs[0])
-            if program and program.fault:
-                faults.append(point.cause if point else program.fault)
-    return (lost, faults) if lost else _astray(case)
+            is_meant = program is not None and _point_of(case, program) is not None
+            name = programs[0].removesuffix(".py") if is_meant else programs[0]
+            lost[name] = _why(case, program) if program else ""
+    return lost or _astray(case)
 
 
 def _crashed(case: Case, part: Part) -> list[str]:
@@ -322,17 +332,15 @@ def _point_of(case: Case, program: Executable) -> Finding | None:
     return next((finding for finding in findings if names & {*finding.about}), None)
 
 
-def _astray(case: Case) -> tuple[list[str], list[str]]:
-    """Return the executables whose entry points miss an existing module, and the causes.
+def _astray(case: Case) -> dict[str, str]:
+    """Return the executables whose entry points lead to no module, with the cause, where one may be meant for a part.
 
-    Their nodes may not run for other reasons, so nothing else would report it.
+    It is if the module is there by another name, or a part has no node.
     """
-    astray = (finding for finding in case.evidence.files.told() if finding.code == "entry-point-module")
-    meant = [finding for finding in astray if len(finding.about) > 1]
+    astray = [finding for finding in case.evidence.files.told() if finding.code == "entry-point-module"]
+    meant = [finding for finding in astray if len(finding.about) > 1 or not all(case.players.values())]
     named = [executable.name for executable in case.executables.values() if not executable.command]
-    return [name for name in named if any(name in finding.about for finding in meant)], [
-        finding.cause for finding in meant
-    ]
+    return {name: finding.cause for name in named for finding in meant if name in finding.about}
 
 
 @question("written partly todo", "missing where")

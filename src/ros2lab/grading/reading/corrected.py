@@ -51,7 +51,11 @@ def _written(text: str, line: int, new: str, said: str | None) -> str:
             begin, end = node.col_offset, node.end_col_offset or 0
             old = row[begin:end].decode()
             if old != new and _constants(wanted) <= _constants(node):
-                like = SequenceMatcher(None, old, new).ratio() if said is None else float(ast.unparse(node) == said)
+                like = (
+                    SequenceMatcher(None, old, new).ratio()
+                    if said is None
+                    else float(ast.unparse(node) == said)
+                )
                 best = max(best, (like, begin, end))
     _, begin, end = best
     lines[line - 1] = (row[:begin] + new.encode() + row[end:]).decode()
