@@ -12,6 +12,7 @@ import pytest
 
 from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.diagnose.printed.ignored import without_ignored
+from ros2lab.grading.evidence import Run, WrittenEnd
 from ros2lab.grading.questions.answer import last_word
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
@@ -124,3 +125,32 @@ def test_a_note_says_that_words_were_made_up() -> None:
         in notes
     )
     assert not any("/observer_1" in note for note in notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "end", "code", "said", "is_reason"),
+    [
+        ("check_topics", ("/limits", False), 0, "start", False),  # it says what it was sent
+        ("send_command", ("/robot/command", True), 0, "sent", False),
+        ("hello", ("/hello", False), 0, "", False),
+        ("ask", ("/answers", False), 0, "[ERROR] [1.0] [ask]: nobody answers", True),
+        ("ask", ("/answers", False), 1, "start", True),
+        ("check_topics", ("/robot/command", False), 0, "start", True),  # it should go on
+    ],
+)
+def test_an_end_without_an_error_is_no_reason_where_nothing_was_to_go_on(
+    name: str, end: tuple[str, bool], code: int, said: str, is_reason: bool
+) -> None:
+    program = replace(evidences.executable(name), modules=[name])
+    run = Run([name], "alone", "stepped", [], {}, {}, {}, {}, {}, [], {name: said}, {}, [])
+    run = replace(run, done=[] if code else [name])
+    given = evidences.right([evidences.status_run(), evidences.velocity_run(), run])
+    assert given.build
+    others = [one for one in given.build.executables if one.name != evidences.COMMAND]
+    given = replace(given, build=replace(given.build, executables=[*others, program]))
+    given = evidences.files(ends=[WrittenEnd(end[0], evidences.STRING, end[1], [], name)])(given)
+    grade = verdict(given, load())
+    one = next(one for one in grade.criteria if one.id == "command_subscriber.topic")
+    assert (f"{name} ended with" in one.reason) is is_reason, one.reason
+    is_quoted = code != 0 or "ERROR" in said
+    assert any("no error" in note for note in grade.notes) is not is_quoted

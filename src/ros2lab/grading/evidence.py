@@ -322,6 +322,7 @@ class Run:
         commands: what followed each command, in order.
         ended: the last lines of each program that ended by itself.
         early: those of them that ended before any command was published.
+        done: those of them that ended with the exit code 0, by which a program says that all went well.
         stopped: how each ended at Ctrl-C: `last` (the last message by topic), `seconds`, `traceback` (whether
             there was one), `killed` (whether that was needed), `said` (its last lines; where Ctrl-C
             interrupts a program is chance).
@@ -371,6 +372,7 @@ class Run:
     typed: list[str] = field(default_factory=list)
     clocked: list[str] = field(default_factory=list)
     early: list[str] = field(default_factory=list)
+    done: list[str] = field(default_factory=list)
     unfinished: str = ""
     changed: list[str] = field(default_factory=list)
 

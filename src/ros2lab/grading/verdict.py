@@ -348,7 +348,9 @@ def _notes_of(run: Run, brief: Collection[str], part: Part | None) -> Iterator[s
         elif deadly is not None and name not in brief:
             by_itself, after = ("", f" after {_published(deadly.text, part)}")
         how = (
-            f"{by_itself}for want of what is not here" if is_for_want(end) else ended(end, f"{by_itself}with")
+            f"{by_itself}for want of what is not here"
+            if is_for_want(end)
+            else ended(end, f"{by_itself}with", is_done=name in run.done)
         )
         if run.setting == "launched" and is_shut_down(end):
             how = "by itself: it shut down all that it had started"

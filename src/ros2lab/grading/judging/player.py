@@ -233,6 +233,11 @@ class Player:
         return self.run.ended.get(self.program)
 
     @property
+    def is_done(self) -> bool:
+        """Whether its program ended by itself, and said by its exit code that all went well."""
+        return self.program in self.run.done
+
+    @property
     def last_command(self) -> CommandSeen | None:
         """The command after which a program of its run had ended; None if there is none."""
         return deadly_in(self.run)

@@ -32,6 +32,7 @@ _DIED = re.compile(r"\[ERROR\] \[([^\]]+)\]: process has died \[pid \d+, exit co
 _ASKED = re.compile(
     r"(?:\[INFO\] )?\[([^\]]+)\]:? (?:sending signal 'SIGINT' to process|KeyboardInterrupt$|[\w.]*\bExternalShutdownException\b)"
 )
+_LOGS_ERROR = re.compile(r"\s*\[(?:WARN|ERROR|FATAL)\] \[")
 _REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # log lines about no error
 
 # A traceback's frame in the submission, as it was written or as it was installed.
@@ -221,16 +222,24 @@ def question(
     return enter
 
 
-def ended(said: str, otherwise: str = "by itself with") -> str:
+def ended(said: str, otherwise: str = "by itself with", *, is_done: bool = False) -> str:
     """Return how a program ended, by its last output, as the rest of a sentence.
 
     Args:
         said: its last lines, or the limit that ended it.
         otherwise: the words before the reason, if it ended by itself.
+        is_done: whether its exit code says that all went well: what it prints then is no reason, but for an error.
     """
     if is_limit(said):
         return f"at a limit: it{shown(said).removeprefix('It').rstrip('.')}"
+    if is_done and not tells_error(said):
+        return f"{otherwise} no error"
     return f"{otherwise} {last_word(said)}"
+
+
+def tells_error(said: str) -> bool:
+    """Return whether a program's last output holds an error, or a line of the log that is one."""
+    return any(_LAST_WORD.match(line.strip()) or _LOGS_ERROR.match(line) for line in said.splitlines())
 
 
 def is_shut_down(said: str) -> bool:

@@ -253,7 +253,7 @@ def _says_anything(part: Part, runs: Iterable[Run]) -> bool:
 def _untried(player: Player) -> str:
     """Return why no command was sent to a node, as a clause."""
     if player.end is not None:
-        return f"{shown(player.program or player.node)} had ended by then {ended(player.end, 'with')}"
+        return f"{shown(player.program or player.node)} had ended by then {ended(player.end, 'with', is_done=player.is_done)}"
     if player.part.type_name not in player.types:
         return f"{shown(player.node)} takes {shown(player.types[0])}"
     return f"{shown(player.node)} was not reached on {shown(player.topic)}"
@@ -268,7 +268,10 @@ def _is_answered(case: Case, part: Part) -> bool:
 
 
 def _end(player: Player, seen: dict[str, str]) -> Answer:
-    seen = seen | {"last": last_word(player.end or ""), "end": ended(player.end or "")}
+    seen = seen | {
+        "last": last_word(player.end or ""),
+        "end": ended(player.end or "", is_done=player.is_done),
+    }
     deadly, place = player.last_command, raised_at(player.end or "", player.program)
     if deadly is None:
         return Answer("ends", seen, (f"runs[{player.number}].ended",), place)

@@ -11,7 +11,7 @@ from ros2lab.grading.judging.by_type import owners_of
 from ros2lab.grading.judging.excuses import unused
 from ros2lab.grading.judging.player import PLAIN_SETTINGS, STAND_IN, Player, is_for_want, of_one_node, stamped
 from ros2lab.grading.judging.players import Case
-from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown
+from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown, tells_error
 from ros2lab.grading.sandbox.keeper import is_limit
 
 # Findings that explain why a node does not run, or does not do what it should.
@@ -165,7 +165,7 @@ def goes_on(case: Case, part: Part) -> Answer:
     for one in (player, *(one for one in alike if one.program == player.program and one.is_ended_by_command)):
         if one.end is not None and one.run.setting != GIVEN and not _dies_of_command(case, one):
             word = f"after {_said(one.last_command)}," if one.last_command else "by itself"
-            seen |= {"last": last_word(one.end), "end": ended(one.end, f"{word} with")}
+            seen |= {"last": last_word(one.end), "end": ended(one.end, f"{word} with", is_done=one.is_done)}
             is_error = "Error" in one.end or "Exception" in one.end
             level = "cut" if is_limit(one.end) else "dies" if is_error else "ends"
             return Answer(level, seen, (f"runs[{one.number}].ended",), raised_at(one.end, one.program))
@@ -248,6 +248,7 @@ def _lost(case: Case, part: Part) -> Iterator[Answer]:
         if run.setting == "alone" and not any(played is run for played in playing)
         for name, end in run.ended.items()
         if not is_for_want(end)
+        if name not in run.done or tells_error(end) or case.makes(name, part)
     }
     started = {one.stem for one in case.executables.values() if one.command} - {""}  # also by another way
     dead = [n for n, one in case.executables.items() if not one.command and one.stem not in started]
@@ -256,7 +257,8 @@ def _lost(case: Case, part: Part) -> Iterator[Answer]:
         place = shown(name)
         if name in crashed:
             number, end = crashed[name]
-            why = f": {place} ended {ended(end, 'with')}"
+            is_done = name in case.evidence.runs[number].done
+            why = f": {place} ended {ended(end, 'with', is_done=is_done)}"
             yield Answer("missing", {"why": why}, (f"runs[{number}].ended.{place}",), place)
         else:
             why = f": {place} cannot be started ({shown(case.executables[name].fault, 120).rstrip('.')})"

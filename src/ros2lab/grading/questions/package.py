@@ -225,7 +225,7 @@ def _why(case: Case, program: Executable) -> str:
 
 
 def _told_apart(lost: Mapping[str, str]) -> str:
-    """Return names with the reason of each, those of one reason together: `a and b: It is not installed.`"""
+    """Return names with the reason of each, those of one reason together, such as `a and b: It is not installed.`."""
     named: dict[str, list[str]] = {}
     for name, fault in lost.items():
         named.setdefault(shown(fault or "It is not installed.", 160), []).append(name)

@@ -201,6 +201,7 @@ class Job:
         self.marks: dict[int, dict[str, int]] = {}
         self.ended: dict[str, str] = {}
         self.early: set[str] = set()  # those that ended before any command
+        self.done: set[str] = set()  # those that ended without an error
         self.stopped: dict[str, dict[str, Any]] = {}
         self.said: dict[str, int] = {}  # how much each had printed at Ctrl-C
 
@@ -243,6 +244,7 @@ class Job:
                 }
             else:
                 self.ended[name] = box.cut or _last_lines(box.output)
+                self.done |= {name} if box.code == 0 and not box.cut else set()
                 if not self.marks:
                     self.early.add(name)
         before, self.alive = self.alive, len(self.boxes) - len(self.ended) - len(self.stopped)
@@ -317,6 +319,7 @@ class Job:
                 name: last for name, last in self.ended.items() if name in names and name not in self.killed
             },
             early=sorted(self.early.intersection(names) - self.killed),
+            done=sorted(self.done.intersection(names) - self.killed),
             stopped={
                 name: {**how, "last": seen.get("final", {})}
                 for name, how in self.stopped.items()
