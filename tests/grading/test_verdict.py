@@ -1516,6 +1516,26 @@ def test_a_readme_that_starts_only_what_is_not_handed_in_does_not_say_how_to_run
     assert judged(given, rubric, "documentation.commands").points == points
 
 
+@pytest.mark.parametrize(
+    ("more", "command", "points"),
+    [
+        ("", "ros2 run robot_controller <node>", 0),
+        ("", "ros2 launch robot_controller <launch file>", 0),
+        ("", "ros2 run robot_controller status_publisher", 2),
+        ("", "ros2 topic pub --once /robot/command std_msgs/msg/String '{data: start}'", 2),
+        ("It publishes on /robot/status.", "ros2 run robot_controller <node>", 2),
+        ("The robot controller has three nodes.", "ros2 run robot_controller [node]", 2),
+    ],
+)
+def test_a_command_that_its_reader_must_complete_shows_not_what_a_readme_is_about(
+    rubric: Rubric, more: str, command: str, points: float
+) -> None:
+    """As in a template: one paragraph of the description goes here."""
+    text = f"# Project Title\n\nOne paragraph of the description goes here, with all that there is to say. {'It tells what it is for. ' * 4}{more}\n\n```\n{command}\n```\n"
+    given = evidences.files(readme=text, readme_commands={command: None}, readme_names=[])(right())
+    assert judged(given, rubric, "documentation.readme").points == points
+
+
 def test_what_was_written_is_not_denied_where_nothing_runs(rubric: Rubric) -> None:
     """It earns nothing, for what it describes is not there."""
     sources = {"modules": [3, 3], "classes": [3, 3], "functions": [6, 6]}

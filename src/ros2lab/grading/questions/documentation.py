@@ -47,7 +47,7 @@ def readme_is_about_this_package(case: Case) -> Answer:
         return Answer("nothing", seen, ("files.readme", "build.executables"), "README")
     told = _told(case)
     words = _names(case) | {topic.lstrip("/") for topic in _topics(case)}
-    is_named = any(_is_named(word, text) for word in words)
+    is_named = any(_is_named(word, _without_open_commands(case)) for word in words)
     is_ours = is_named or (case.evidence.files.readme_names and not foreign)
     is_thin = len(" ".join(told.split())) < SHORTEST
     level = "thin" if is_thin else "another" if not is_ours else "older" if foreign else "this"
@@ -60,6 +60,15 @@ def readme_is_about_this_package(case: Case) -> Answer:
         )
         seen["fault"] = f"seems to be about no package or another one, for {fault}"
     return Answer(level, seen, ("files.readme",), "README")
+
+
+def _without_open_commands(case: Case) -> str:
+    """Return a README's text without the commands that its reader must complete, as a template has them."""
+    text = case.evidence.files.readme
+    for command in case.evidence.files.readme_commands:
+        if any(map(is_placeholder, command.split()[2:4])):
+            text = re.sub(r"\s+".join(map(re.escape, command.split())), " ", text)
+    return text
 
 
 @question("true excused few_wrong partly some_wrong wrong nothing none", "wrong lacking untried")
