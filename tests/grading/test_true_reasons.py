@@ -507,6 +507,14 @@ def test_each_program_is_said_not_to_start_for_its_own_reason() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("period", "told"), [(0.05, "0.05 s"), (0.0004, "0.001 s"), (0.52, "0.5 s"), (1.04, "1.0 s")]
+)
+def test_a_short_time_between_messages_is_not_told_as_twice_as_long(period: float, told: str) -> None:
+    one = judged(given(evidences.runs(evidences.status_run(period=period))), f"{STATUS}.period")
+    assert f" {told}," in one.reason
+
+
 def test_what_was_typed_is_told() -> None:
     run = replace(evidences.velocity_run(), typed=["1", "y"])
     one = judged(given(evidences.runs(run)), f"{VELOCITY}.repetition")

@@ -21,6 +21,7 @@ from ros2lab.grading.senses import is_seen, is_velocity, numbers_in
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 
 LONG_AFTER = 1.0  # s between two messages; a velocity that is published again and again comes more often
+LEAST_TOLD = 0.001  # s between two messages; what is shorter is told as this
 TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
 
 
@@ -69,12 +70,15 @@ def _of_periods(case: Case, part: Part, found: Sequence[tuple[Player, float]]) -
     player, period = min(alone, key=lambda pair: _LEVELS.index(distance(pair[1], part.period)))
     if not _is_right(part, period):
         player, period = next((pair for pair in found if _is_steady(pair[0])), (player, period))
-    return _rhythm(distance(period, part.period), player, rounded(period, part.period))
+    return _rhythm(distance(period, part.period), player, period)
 
 
 def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
     """Return an answer about a player's topic, and its period in s, if there is one."""
-    told = str(period) if period else f"less than {player.part.period / 20:g}"
+    wanted = player.part.period
+    # One digit of what is much shorter, so that 0.05 is not told as 0.1.
+    is_short = period < wanted / 10
+    told = f"{max(period, LEAST_TOLD):.1g}" if is_short else str(rounded(period, wanted))
     seen = {"period": told if period >= 0 else "", "topic": shown(player.topic)}
     return Answer(level, seen, (player.quiet_key,), seen["topic"])
 

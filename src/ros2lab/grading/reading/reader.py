@@ -19,12 +19,11 @@ from typing import Any
 
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import of_text
-from ros2lab.grading.evidence import Submission
 from ros2lab.grading.evidence_json import plain, restored, typed
 from ros2lab.grading.reading import files
 from ros2lab.grading.reading.build_plan import WORKSPACE, Plan, plan_for, plan_for_files
 from ros2lab.grading.reading.unread import FACT, told
-from ros2lab.grading.receiving.submission import Received, found_in
+from ros2lab.grading.receiving.submission import Received, Submission, found_in
 from ros2lab.grading.sandbox.worlds import FILES
 
 Answers = Iterator[tuple[str, Any]]
