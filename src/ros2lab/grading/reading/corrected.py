@@ -16,6 +16,12 @@ _WRITE = re.compile(
 )
 
 
+def all_corrected(sources: Sequence[PythonSource], findings: list[list[str]]) -> list[PythonSource]:
+    """Return the sources with slips of typing corrected as some findings say; empty if there are none."""
+    found = [corrected(source, findings) for source in sources]
+    return found if found != [*sources] else []
+
+
 def corrected(source: PythonSource, findings: Iterable[Sequence[str]]) -> PythonSource:
     """Return a file with the fixes of the findings about its lines; itself if none of them is a slip of typing.
 

@@ -32,7 +32,7 @@ from ros2lab.grading.code.own_messages import Messages, own_messages
 from ros2lab.grading.code.running import Code, idle, running
 from ros2lab.grading.code.vain_handlers import VainHandlers
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
-from ros2lab.grading.reading.corrected import corrected
+from ros2lab.grading.reading.corrected import all_corrected
 from ros2lab.grading.reading.described import described
 from ros2lab.grading.reading.documents import foreign_names, named_in, readmes, recordings, unrendered
 from ros2lab.grading.reading.graded_package import Package, has_code
@@ -96,11 +96,10 @@ def look(
 
 
 def ends_meant(
-    root: Path, submission: Submission, assignment: Assignment, findings: list[list[str]]
+    root: Path, found: Submission, asked: Assignment, findings: list[list[str]]
 ) -> list[WrittenEnd]:
-    """Return `Files.ends_meant` of a submission with a package, by what is found in it and in what its programs say."""
-    reader = _PackageReader(root, submission, assignment, ())
-    return reader.meant(findings)
+    """Return `Files.ends_meant` of a submission with a package by other findings."""
+    return _PackageReader(root, found, asked, ()).meant(findings)
 
 
 def _unread(why: str, read: Iterable[PythonSource]) -> dict[str, str]:
@@ -226,7 +225,7 @@ class _PackageReader:
         return self._ends_in(self.mended)
 
     def meant(self, findings: list[list[str]]) -> list[WrittenEnd]:
-        return self._ends_in(_corrected(self.mended, findings))[0]
+        return self._ends_in(all_corrected(self.mended, findings))[0]
 
     @cached_property
     def findings(self) -> list[list[str]]:
@@ -267,7 +266,7 @@ def _loose(
             root, paths, loose, itertools.chain(*written_ends(loose, words=words))
         ),
         "findings": findings,
-        "ends_meant": lambda: written_ends(_corrected(whole(), findings()), words=words)[0],
+        "ends_meant": lambda: written_ends(all_corrected(whole(), findings()), words=words)[0],
     }
     facts, unread = read_all(readers)
     unread |= _unread(" ".join(submission.left_unread), loose)
@@ -417,12 +416,6 @@ def _declared(package: Package) -> dict[str, bool | float | str | None]:
         name: value if isinstance(value, (bool, int, float, str)) else None for name, value in found.items()
     }
     return dict(itertools.islice(plain.items(), MOST_DECLARED))
-
-
-def _corrected(sources: Sequence[PythonSource], findings: list[list[str]]) -> list[PythonSource]:
-    """Return the sources with slips of typing corrected as some findings say; empty if there are none."""
-    found = [corrected(source, findings) for source in sources]
-    return found if found != [*sources] else []
 
 
 def _findings(root: Path, submission: Submission, graded: Sequence[Package]) -> list[list[str]]:
