@@ -36,7 +36,7 @@ class Finding:
         place: the file and line, such as `src/pk/setup.py:12`; empty if there is none.
         fix: what to type or change; empty if not known.
         about: the names of the packages, executables, files or topics that it is about.
-        never: the places of the functions and classes of which it says that none of their code runs.
+        never: the places of what it says is in vain: functions and classes of which no code runs, and statements.
         guess: what the fix writes, if that may be wrong; None if it is certain, or nothing to type.
     """
 
@@ -199,7 +199,8 @@ def merged(findings: Iterable[Finding]) -> list[Finding]:
     found: dict[Finding, list[str]] = {}
     for finding in findings:
         file, _, line = finding.place.rpartition(":")
-        found.setdefault(replace(finding, place=file) if line.isdigit() else finding, []).append(line)
+        alike = replace(finding, place=file, never=()) if line.isdigit() else finding
+        found.setdefault(alike, []).append(line)
     return [
         replace(one, place=f"{one.place}:{line}", fix="; ".join(filter(None, [one.fix, _likewise(more)])))
         if line.isdigit()

@@ -47,6 +47,7 @@ class WrittenEnd:
         paces: the periods of timers that are the only ones to publish on it, in s; empty if they are not
             known.
         begins: whether code publishes with it as soon as the program runs, whatever comes or holds.
+        vain: the place of the finding of `diagnose` that keeps the code from doing more with it; empty if none does.
     """
 
     topic: str
@@ -58,6 +59,7 @@ class WrittenEnd:
     never: list[str] = field(default_factory=list)
     paces: list[float] = field(default_factory=list)
     begins: bool = False
+    vain: str = ""
 
 
 @dataclass(frozen=True)
@@ -103,6 +105,7 @@ class Files:
             reads.
         ends: the publishers and subscriptions that the code creates.
         ends_meant: the same where its slips of typing are corrected as the findings say; empty if there are none.
+        ends_left: the same without the code of which the findings say that it is in vain; empty if that changes none.
         ends_elsewhere: those that the rest of the submission may create, on unknown topics; None if not
             known.
         declared: the parameters that the code declares, with their defaults; None for an unknown default.
@@ -136,6 +139,7 @@ class Files:
     idle: dict[str, list[int]] = field(default_factory=dict)
     ends: list[WrittenEnd] = field(default_factory=list)
     ends_meant: list[WrittenEnd] = field(default_factory=list)
+    ends_left: list[WrittenEnd] = field(default_factory=list)
     ends_elsewhere: list[WrittenEnd] | None = None
     declared: dict[str, bool | float | str | None] = field(default_factory=dict)
     findings: list[list[str]] = field(default_factory=list)

@@ -10,6 +10,7 @@ from pathlib import PurePosixPath
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
+from ros2lab.grading.judging.excuses import wrong_line
 from ros2lab.grading.judging.leftovers import case_of
 from ros2lab.grading.judging.player import Player, deadly_in, is_for_want
 from ros2lab.grading.judging.players import Case
@@ -204,7 +205,8 @@ def _faults(
         owners = [
             judgement
             for judgement in lost
-            if finding.code in questions[judgement.id].codes and is_about(case, finding, judgement, lost)
+            if wrong_line(finding) in judgement.reason
+            or (finding.code in questions[judgement.id].codes and is_about(case, finding, judgement, lost))
         ]
         explained |= {judgement.id for judgement in owners}
         components = list(dict.fromkeys(judgement.component for judgement in owners))

@@ -367,19 +367,20 @@ def _never_started(sources: NodeSources, owner: NodeClass) -> Iterator[Finding]:
     for node in walk(constructor):
         if isinstance(node, ast.keyword) and node.arg == "autostart" and ast.unparse(node.value) == "False":
             cause = "autostart=False makes a timer that starts only when its reset() is called, and nothing calls it."
-            yield Finding("never-started", cause, source.at(node.value), "remove autostart=False")
+            place = source.at(node.value)
+            yield Finding("never-started", cause, place, "remove autostart=False", never=(place,))
 
 
 def _ended_at_once(source: PythonSource, constructor: Function) -> Iterator[Finding]:
     """Yield what a constructor creates and stops again."""
-    made: set[str] = set()
+    made: dict[str, str] = {}
     for statement in constructor.body:
         if _may_use(statement):
             made.clear()
         if isinstance(statement, ast.Assign) and isinstance(statement.value, ast.Call):
             is_made = getattr(statement.value.func, "attr", "") in CREATORS
             kept = {to.attr for to in statement.targets if isinstance(to, ast.Attribute)}
-            made |= kept if is_made else set()
+            made |= dict.fromkeys(kept if is_made else (), source.at(statement))
         call = statement.value if isinstance(statement, ast.Expr) else None
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)):
             continue
@@ -388,7 +389,7 @@ def _ended_at_once(source: PythonSource, constructor: Function) -> Iterator[Find
         if is_end and is_self_attribute(given) and given.attr in made:
             cause = f"`{ast.unparse(call)}` in __init__ stops self.{given.attr} before it is ever used."
             fix = f"remove the line `{ast.unparse(call)}`, or move it to where self.{given.attr} should stop"
-            yield Finding("never-started", cause, source.at(call), fix)
+            yield Finding("never-started", cause, source.at(call), fix, never=(made[given.attr],))
 
 
 def _may_use(statement: ast.stmt) -> bool:

@@ -52,11 +52,13 @@ def _without_effect(source: PythonSource, value: ast.expr) -> Iterator[Finding]:
         # Tutorials write `self.subscription` alone to avoid a warning; it is an attribute, not a function.
         case ast.Attribute() | ast.Name() if text not in source.stored and _is_function(source, value):
             cause = f"`{text}` by itself does nothing: without parentheses {text.rpartition('.')[2]} is not called."
-            yield Finding("no-effect", cause, source.at(value), _called(source, value))
+            place = source.at(value)
+            yield Finding("no-effect", cause, place, _called(source, value), never=(place,))
         case ast.Call(func=called) if own := own_function(source, called):
             if made := what_a_call_makes(own[1]):
                 cause = f"`{text}` only makes a {made}: nothing of {own[1].name}() runs."
-                yield Finding("no-effect", cause, source.at(value), _run(source, value, own[1]))
+                place = source.at(value)
+                yield Finding("no-effect", cause, place, _run(source, value, own[1]), never=(place,))
         case ast.UnaryOp(
             op=ast.UAdd() | ast.USub() as sign, operand=ast.UnaryOp(op=same, operand=counted)
         ) if type(same) is type(sign) and isinstance(counted, (ast.Name, ast.Attribute, ast.Subscript)):

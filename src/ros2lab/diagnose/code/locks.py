@@ -78,7 +78,8 @@ class _Held:
         else:
             cause = f"{self.lock} is acquired again on {line} while it is already held (line {node.lineno}), so it waits forever."
             fix = f"acquire the lock only on line {node.lineno}, or write threading.RLock() instead of threading.Lock()"
-        return Finding("lock-held", cause, self.source.at(first), fix)
+        place = self.source.at(first)
+        return Finding("lock-held", cause, place, fix, never=(place,))
 
     def _takes(self, node: ast.AST) -> bool:
         """Return whether a node acquires the lock and waits for it without a timeout."""

@@ -30,13 +30,19 @@ class Paths:
         possible: what names may hold in them; None lets only constants close a branch, and treats code after
             a spin like any other.
         failing: which statements fail whenever they are reached; None if only names that nothing defines are known.
+        vain: the places of what does nothing.
     """
 
     def __init__(
-        self, sources: Iterable[PythonSource], possible: Possible | None, failing: Failing | None = None
+        self,
+        sources: Iterable[PythonSource],
+        possible: Possible | None,
+        failing: Failing | None = None,
+        vain: Collection[str] = (),
     ) -> None:
         self._possible = possible
         self._failing = failing
+        self._vain = vain
         self._own = {
             node.name
             for source in sources
@@ -77,6 +83,13 @@ class Paths:
             parts = value if isinstance(value, list) else [value]
             yield from self._until_left(source, parts, known.get(name, facts))
 
+    def is_vain(self, source: PythonSource, part: ast.AST) -> bool:
+        """Return whether a definition or a statement begins at the place of what does nothing, or a simple statement holds it."""
+        if not self._vain or not isinstance(part, ast.stmt):
+            return False
+        last = part.lineno if hasattr(part, "body") else part.end_lineno or part.lineno
+        return any(source.at(line) in self._vain for line in range(part.lineno, last + 1))
+
     def _joined(self, node: ast.BoolOp, facts: Facts) -> Iterator[tuple[ast.AST, Facts]]:
         yield node.op, facts
         decides = isinstance(node.op, ast.Or)
@@ -91,7 +104,7 @@ class Paths:
     ) -> Iterator[tuple[ast.AST, Facts]]:
         """Yield the statements of a block up to the first that leaves it."""
         for part in parts:
-            if not isinstance(part, ast.AST):
+            if not isinstance(part, ast.AST) or self.is_vain(source, part):
                 continue
             if self._fails(source, part):
                 return

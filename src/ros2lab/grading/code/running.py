@@ -36,7 +36,10 @@ Code = Collection[tuple[PythonSource, ast.AST]]  # nodes of code that runs, each
 
 
 def living(
-    sources: NodeSources, entrances: Collection[str] | None = None, messages: Messages | None = None
+    sources: NodeSources,
+    entrances: Collection[str] | None = None,
+    messages: Messages | None = None,
+    vain: Collection[str] = (),
 ) -> frozenset[ast.AST]:
     """Return the nodes of code that runs while a program lives, by what names may hold.
 
@@ -44,6 +47,7 @@ def living(
         sources: the modules of a package.
         entrances: as for `running`.
         messages: what is known of messages, if the submission has its own.
+        vain: the places of functions, classes and statements that do nothing.
     """
     messages = messages or Messages()
     files, code = [*sources.sources.values()], frozenset[ast.AST]()
@@ -51,7 +55,7 @@ def living(
     failing = Failing(sources, all_code, Possible(sources, all_code, messages))
     for _ in range(MOST_ROUNDS):
         possible = Possible(sources, code, messages)
-        more = code.union(node for _, node in running(files, entrances, possible, failing))
+        more = code.union(node for _, node in running(files, entrances, possible, failing, vain))
         if more == code:
             return code
         code = more
@@ -63,6 +67,7 @@ def running(
     entrances: Collection[str] | None = None,
     possible: Possible | None = None,
     failing: Failing | None = None,
+    vain: Collection[str] = (),
 ) -> Iterator[tuple[PythonSource, ast.AST]]:
     """Yield the nodes of code that runs, each with its file.
 
@@ -72,8 +77,9 @@ def running(
             no arguments.
         possible: what names may hold; if given, only code that runs while a program lives is yielded.
         failing: what fails whenever it is reached; nothing after it is yielded.
+        vain: as for `living`.
     """
-    paths = Paths(sources, possible, failing)
+    paths = Paths(sources, possible, failing, vain)
     sources = _importable(sources, failing)
     named = _definitions(sources)
     defined = [(source, n) for source in sources for n in source.nodes if isinstance(n, ast.ClassDef)]
@@ -92,7 +98,7 @@ def running(
     is_by_name = any(looks_up(node) for source in sources for node in source.nodes)
     while waiting:
         source, piece = waiting.pop()
-        if piece in done:
+        if piece in done or paths.is_vain(source, piece):
             continue
         done.add(piece)
         if isinstance(piece, ast.ClassDef):

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Collection, Sequence
 from pathlib import PurePosixPath
 from typing import NamedTuple
 
 from ros2lab.assignments import Part
+from ros2lab.diagnose.finding import Finding
 from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, WrittenEnd
 from ros2lab.grading.judging.player import PLAIN_SETTINGS, Player, is_for_want, lacked, of_one_node
 from ros2lab.grading.judging.players import Case
@@ -87,7 +89,18 @@ def _left_out(case: Case, players: Sequence[Player], needed: Collection[str]) ->
     """Return which deed the players' code never does, as a clause; empty if none is known."""
     known = [does for player in players if (does := _does(case, player, needed)) is not None]
     left = [deed for deed in needed if not any(deed in does for does in known)]
-    return f"no line of the code that runs {CLAUSES[left[0]]}" if left and len(known) == len(players) else ""
+    if not left or len(known) < len(players):
+        return ""
+    lack = f"no line of the code that runs {CLAUSES[left[0]]}"
+    vain = {end.vain for player in players for end in _ends(case, player)}
+    told = (wrong_line(finding) for finding in case.evidence.files.told() if finding.place in vain)
+    return ": ".join([lack, *itertools.islice(told, 1)])
+
+
+def wrong_line(finding: Finding) -> str:
+    """Return a clause that says what is wrong with a line."""
+    file, _, line = finding.place.partition(":")
+    return f"line {line} of {PurePosixPath(file).name} is wrong: {finding.cause.removesuffix('.')}"
 
 
 def _broken(case: Case, players: Sequence[Player]) -> str:
@@ -95,9 +108,8 @@ def _broken(case: Case, players: Sequence[Player]) -> str:
     programs = [case.executables[player.program] for player in players if player.program in case.executables]
     modules = {module for program in programs for module in (*program.modules, program.stem)}
     for finding in case.evidence.files.told():
-        file, _, line = finding.place.partition(":")
-        if finding.code in _FAILS and PurePosixPath(file).stem in modules:
-            return f"line {line} of {PurePosixPath(file).name} is wrong: {finding.cause.removesuffix('.')}"
+        if finding.code in _FAILS and PurePosixPath(finding.place.partition(":")[0]).stem in modules:
+            return wrong_line(finding)
     return ""
 
 
@@ -168,7 +180,7 @@ def _ends(case: Case, player: Player) -> list[WrittenEnd]:
     modules = {*program.modules, program.stem} - {""} if program else set()
     ends = [
         end
-        for end in case.evidence.files.ends
+        for end in case.evidence.files.ends_left or case.evidence.files.ends
         if end.is_publisher is player.part.is_publisher
         and (not modules or not end.module or end.module in modules)
     ]

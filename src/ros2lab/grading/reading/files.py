@@ -50,7 +50,7 @@ from ros2lab.grading.reading.launch_order import programs_named, programs_of, th
 from ros2lab.grading.reading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.reading.tests_handed_in import test_files, tests_of
 from ros2lab.grading.reading.unread import OF_CODE, OF_EACH_FILE, Tell, is_open, legible, read_all, told
-from ros2lab.grading.reading.written_ends import ends_elsewhere, written_ends
+from ros2lab.grading.reading.written_ends import ends_elsewhere, ends_left, written_ends
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.handlers import Handlers
 
@@ -179,8 +179,11 @@ class _PackageReader:
             "declared": lambda: {
                 name: value for package in reversed(graded) for name, value in _declared(package).items()
             },
-            "findings": lambda: self.findings,
-            "ends_meant": lambda: self.meant(self.findings),
+            "findings": lambda: in_evidence(self.findings),
+            "ends_meant": lambda: self.meant(in_evidence(self.findings)),
+            "ends_left": lambda: ends_left(
+                self.ends[0], self.findings, lambda vain: self._ends_in(self.mended, vain)[0]
+            ),
         }
 
     @cached_property
@@ -228,12 +231,14 @@ class _PackageReader:
         return self._ends_in(all_corrected(self.mended, findings))[0]
 
     @cached_property
-    def findings(self) -> list[list[str]]:
+    def findings(self) -> list[Finding]:
         return _findings(self.root, self.submission, self.graded)
 
-    def _ends_in(self, sources: Sequence[PythonSource]) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
-        commanded = self.assignment.commanded
-        return written_ends(sources, self.entrances, commanded.commands if commanded else (), self.messages)
+    def _ends_in(
+        self, sources: Sequence[PythonSource], vain: Collection[str] = ()
+    ) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
+        words = self.assignment.commanded.commands if self.assignment.commanded else ()
+        return written_ends(sources, self.entrances, words, self.messages, vain)
 
     @cached_property
     def _tests(self) -> tuple[dict[str, int], dict[str, str]]:
@@ -254,6 +259,7 @@ def _loose(
     paths_of_nodes = ((root / name, PurePosixPath(name).stem, name) for name in submission.node_files)
     loose = legible([read_source(*named) for named in paths_of_nodes])
     whole = cache(lambda: [*map(mended, loose)])
+    ends = cache(lambda: written_ends(whole(), words=words)[0])
     findings = cache(lambda: diagnosed(lambda: [found for source in loose for found in text_faults(source)]))
     readers: dict[str, Callable[[], Any]] = {
         "sources": lambda: described(loose, [*running(loose)], texts),
@@ -261,12 +267,15 @@ def _loose(
         "handlers": lambda: _handlers(loose, [*running(loose)]),
         "compared": lambda: compared(node for _, node in running(whole())),
         "depended_on": lambda: depended_on(whole(), [*running(whole())]),
-        "ends": lambda: written_ends(whole(), words=words)[0],
+        "ends": ends,
+        "ends_left": lambda: ends_left(
+            ends(), findings(), lambda vain: written_ends(whole(), words=words, vain=vain)[0]
+        ),
         "ends_elsewhere": lambda: ends_elsewhere(
             root, paths, loose, itertools.chain(*written_ends(loose, words=words))
         ),
-        "findings": findings,
-        "ends_meant": lambda: written_ends(all_corrected(whole(), findings()), words=words)[0],
+        "findings": lambda: in_evidence(findings()),
+        "ends_meant": lambda: written_ends(all_corrected(whole(), in_evidence(findings())), words=words)[0],
     }
     facts, unread = read_all(readers)
     unread |= _unread(" ".join(submission.left_unread), loose)
@@ -395,15 +404,17 @@ def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
 # --- diagnosis --------------------------------------------------------------------------------------------
 
 
-def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[list[str]]:
-    """Return findings in the form of the evidence, without what could not be judged: it costs nothing."""
+def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[Finding]:
+    """Return the first findings, without what could not be judged: it costs nothing."""
     try:
-        found = [finding for finding in find() if not isinstance(finding, net.Unjudged)]
+        return [finding for finding in find() if not isinstance(finding, net.Unjudged)][:MOST_FINDINGS]
     except RecursionError:
         return []
-    return [[finding.code, finding.cause, finding.place, finding.fix, *finding.about] for finding in found][
-        :MOST_FINDINGS
-    ]
+
+
+def in_evidence(findings: Iterable[Finding]) -> list[list[str]]:
+    """Return findings in the form of the evidence."""
+    return [[finding.code, finding.cause, finding.place, finding.fix, *finding.about] for finding in findings]
 
 
 def _declared(package: Package) -> dict[str, bool | float | str | None]:
@@ -418,7 +429,7 @@ def _declared(package: Package) -> dict[str, bool | float | str | None]:
     return dict(itertools.islice(plain.items(), MOST_DECLARED))
 
 
-def _findings(root: Path, submission: Submission, graded: Sequence[Package]) -> list[list[str]]:
+def _findings(root: Path, submission: Submission, graded: Sequence[Package]) -> list[Finding]:
     """Return what `diagnose` finds in the files of the graded packages, the assignment's first."""
     look = Look(graded[0].folder)
     look.packages = [

@@ -61,7 +61,7 @@ def said(root: Path, asked: Mapping[str, Any]) -> Answers:
     folder = submission.package.folder if submission.package else ""
     texts = [as_written(text, root, folder) for text in asked["texts"]]
     found = files.diagnosed(lambda: [told for text in texts for told in of_text(text, root, loads=False)])
-    every = [*found, *asked["findings"]]
+    every = [*files.in_evidence(found), *asked["findings"]]
     yield "findings", every
     if found and submission.package:
         assignment = Assignment.of_plain(asked["assignment"])

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.code.syntax_repairs import mended
+from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.topic_faults import ends_of, timers_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource
@@ -36,6 +37,7 @@ def written_ends(
     entrances: Collection[str] | None = None,
     words: Collection[str] = (),
     messages: Messages | None = None,
+    vain: Collection[str] = (),
 ) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
     """Return the publishers and subscriptions that some files make; an unknown topic is empty.
 
@@ -44,6 +46,7 @@ def written_ends(
         entrances: as for `running`.
         words: the commands of the assignment.
         messages: what is known of messages, if the submission has its own.
+        vain: the places of what does nothing.
 
     Returns:
         The ends in code that runs, and those in other code.
@@ -56,7 +59,7 @@ def written_ends(
     code = [*running([*sources.sources.values()], entrances)]
     run, deeds = (
         {node for _, node in code},
-        Deeds(sources, living(sources, entrances, messages), words, messages),
+        Deeds(sources, living(sources, entrances, messages, vain), words, messages),
     )
     found: dict[bool, list[WrittenEnd]] = {True: [], False: []}
     for creation in sources.creations:
@@ -73,6 +76,29 @@ def written_ends(
     # If there are too many, those with a known topic come first.
     live, dead = (sorted(found[key], key=lambda end: not end.topic)[:MOST_ENDS] for key in (True, False))
     return live, dead
+
+
+def ends_left(
+    ends: Sequence[WrittenEnd],
+    findings: Iterable[Finding],
+    without: Callable[[Collection[str]], Sequence[WrittenEnd]],
+) -> list[WrittenEnd]:
+    """Return ends without what is done with them in vain; empty if that is nothing.
+
+    Args:
+        ends: the ends.
+        findings: what `diagnose` finds in the files.
+        without: given the places of what does nothing, returns the same ends.
+    """
+    left, places = [*ends], list[str]()
+    for finding in findings:
+        if finding.never:
+            places += finding.never
+            left = [
+                was if replace(was, vain="") == now else replace(now, vain=finding.place)
+                for was, now in zip(left, without(places), strict=True)
+            ]
+    return left if left != [*ends] else []
 
 
 def ends_elsewhere(
