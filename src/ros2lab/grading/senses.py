@@ -10,7 +10,16 @@ from typing import Any
 
 _NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e-?\d+)?")
 
-_SHAPELESS = frozenset(("FILLER", "BLANK"))  # in the names of letters and symbols that leave a space
+# Codes that move the cursor, colour text or rename the window (ECMA-48), or change the direction of writing; and
+# text that they conceal.
+_TERMINAL = re.compile(
+    "(?:\x1b\\[|\x9b)(?:(?![34]8;)\\d*;)*8m[^\x1b\x9b\n]*"
+    "|(?:\x1b\\[|\x9b)[0-?]*[ -/]*[@-~]?"
+    "|(?:\x1b[\\]PX^_]|[\x90\x98\x9d-\x9f])[^\x07\x1b\x9c\n]*(?:\x07|\x1b\\\\|\x9c)?"
+    "|\x1b[ -/]*[0-~]?"
+    "|[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]"
+)
+_SHAPELESS = frozenset(("FILLER", "BLANK", "VARIATION", "JOINER"))  # in the names of signs that show nothing
 
 
 @functools.lru_cache(maxsize=4096)
@@ -42,13 +51,26 @@ def is_still(value: Any) -> bool:
     return not (_is_number(value) and float(value))
 
 
-def is_seen(text: str) -> bool:
-    """Return whether anything of a text can be seen: a letter, a digit, a sign or a symbol that has a shape."""
-    return any(
-        unicodedata.category(character)[0] in "LNPS"
-        and not _SHAPELESS & {*unicodedata.name(character, "").split()}
-        for character in text
-    )
+@functools.lru_cache(maxsize=4096)
+def seen(text: str) -> str:
+    """Return what can be seen of a text, with one space between words; empty without any sign that has a shape."""
+    kept = text
+    if not (text.isascii() and text.isprintable()):
+        plain = unicodedata.normalize("NFC", without_codes(text))
+        kept = "".join(sign for sign in plain if sign.isspace() or _has_shape(sign))
+        kept = kept if any(unicodedata.category(sign)[0] in "LNPS" for sign in kept) else ""
+    return " ".join(kept.split())
+
+
+def _has_shape(sign: str) -> bool:
+    """Return whether a letter, a mark, a digit or a symbol leaves more than a space."""
+    is_sign = unicodedata.category(sign)[0] in "LMNPS"
+    return is_sign and not _SHAPELESS & {*unicodedata.name(sign, "").split()}
+
+
+def without_codes(text: str) -> str:
+    """Return a text without what a terminal takes for codes and does not show."""
+    return _TERMINAL.sub("", text)
 
 
 def numbers_in(value: Any, name: str = "") -> list[tuple[str, float]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Run
 from ros2lab.grading.judging.reactions import WARNINGS, said_by_itself, template
-from ros2lab.grading.senses import steady
+from ros2lab.grading.senses import seen, steady
 
 
 def taken_for_unknown(part: Part, run: Run) -> dict[str, str]:
@@ -24,7 +24,7 @@ def taken_for_unknown(part: Part, run: Run) -> dict[str, str]:
         level in WARNINGS
         for command in unknown
         for level, text in command.log
-        if template(steady(text), command.text) in common
+        if template(steady(seen(text)), command.text) in common
     )
     found = dict[str, str]()
     for word in part.commands:
@@ -37,5 +37,6 @@ def taken_for_unknown(part: Part, run: Run) -> dict[str, str]:
 
 
 def _lines(command: CommandSeen) -> list[str]:
-    """Return the log lines after a command in their order, without numbers and with `{}` instead of the command."""
-    return [*dict.fromkeys(template(steady(text), command.text) for _, text in command.log)]
+    """Return the log lines after a command that can be seen, in their order, without numbers and with `{}` instead of the command."""
+    said = (template(steady(seen(text)), command.text) for _, text in command.log)
+    return [*filter(None, dict.fromkeys(said))]

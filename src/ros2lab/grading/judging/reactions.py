@@ -11,7 +11,7 @@ from typing import Any
 
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.senses import is_still, is_velocity, steady
+from ros2lab.grading.senses import is_still, is_velocity, seen, steady
 
 _ARBITRARY = 3  # unknown words that each bring something else
 WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
@@ -129,8 +129,8 @@ def unknown_word(part: Part) -> str:
 
 
 def lines_of(run: Run, command: CommandSeen) -> set[str]:
-    """Return the log lines after a command, without what a program prints when the command ends it."""
-    return {_line(run, text) for level, text in command.log if command.is_alive or level != "PRINT"}
+    """Return the log lines after a command that can be seen, without what a program prints when the command ends it."""
+    return {_line(run, text) for level, text in command.log if command.is_alive or level != "PRINT"} - {""}
 
 
 def lines_of_unknown(part: Part, run: Run) -> set[str]:
@@ -172,8 +172,8 @@ def said_by_itself(run: Run) -> set[str]:
 
 
 def _line(run: Run, text: str) -> str:
-    """Return a log line without its numbers and without what was typed at a keyboard."""
-    return steady(re.sub(_any_of(frozenset(run.typed)), "…", text) if run.typed else text)
+    """Return what can be seen of a log line, without its numbers and without what was typed at a keyboard."""
+    return steady(seen(re.sub(_any_of(frozenset(run.typed)), "…", text) if run.typed else text))
 
 
 @functools.cache
@@ -185,12 +185,12 @@ def _any_of(answers: frozenset[str]) -> re.Pattern[str]:
 @functools.lru_cache(maxsize=4096)
 def template(line: str, word: str) -> str:
     """Return a line with `{}` instead of a word, whatever its capitals."""
-    return _in_any_case(word).sub("{}", line) if word else line
+    return _in_any_case(word).sub("{}", line) if seen(word) else line
 
 
 @functools.lru_cache
 def _in_any_case(word: str) -> re.Pattern[str]:
-    return re.compile(re.escape(word), re.IGNORECASE)
+    return re.compile(re.escape(seen(word)), re.IGNORECASE)
 
 
 def templates(run: Run, command: CommandSeen) -> set[str]:

@@ -16,8 +16,7 @@ from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.grading.questions.commands import FLOOD
 from ros2lab.grading.reading.deeds import FINITE, PACED, READS, REPEATS, VARIES
-from ros2lab.grading.sandbox.box import without_codes
-from ros2lab.grading.senses import is_seen, is_velocity, numbers_in
+from ros2lab.grading.senses import is_velocity, numbers_in, seen
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 
 LONG_AFTER = 1.0  # s between two messages; a velocity that is published again and again comes more often
@@ -57,7 +56,7 @@ def _is_empty(players: Sequence[Player]) -> bool:
     """Return whether all that was heard is texts in which nothing can be seen."""
     values = [value for player in players for heard in player.heard for value in heard.values]
     texts = [value.get("data") if value.keys() == {"data"} else None for value in values]
-    return bool(texts) and all(isinstance(text, str) and not is_seen(without_codes(text)) for text in texts)
+    return bool(texts) and all(isinstance(text, str) and not seen(text) for text in texts)
 
 
 def _of_periods(case: Case, part: Part, found: Sequence[tuple[Player, float]]) -> Answer:

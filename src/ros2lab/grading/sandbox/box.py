@@ -13,20 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ros2lab.grading.sandbox.keeper import LIMITS
-
-# Codes that move the cursor, colour text or rename the window (ECMA-48), or change the direction of writing.
-_TERMINAL = re.compile(
-    "(?:\x1b\\[|\x9b)[0-?]*[ -/]*[@-~]?"
-    "|(?:\x1b[\\]PX^_]|[\x90\x98\x9d-\x9f])[^\x07\x1b\x9c\n]*(?:\x07|\x1b\\\\|\x9c)?"
-    "|\x1b[ -/]*[0-~]?"
-    "|[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]"
-)
-
-
-def without_codes(text: str) -> str:
-    """Return a text without what a terminal takes for codes and does not show."""
-    return _TERMINAL.sub("", text)
-
+from ros2lab.grading.senses import without_codes
 
 SIGNALS = 256  # that may be pending in a box
 # The least that this process must be allowed so that programs are graded fairly, by the letter of `ulimit`.
