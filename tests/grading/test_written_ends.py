@@ -111,7 +111,7 @@ def test_what_was_meant_is_read_where_a_slip_ends_the_node(right: str, slip: str
     """As `diagnose` says to write it: names, dots and commas, and no other number or text."""
     whole = PythonSource("status", "status.py", SOURCE)
     source = PythonSource("status", "status.py", SOURCE.replace(right, slip, 1))
-    found = [[one.code, one.cause, one.place, one.fix] for one in text_faults(source)]
+    found = [*text_faults(source)]
 
     def told(one: PythonSource) -> list[tuple[str, str, list[float]]]:
         return [(end.topic, end.type_name, end.periods) for end in written_ends([one], words=WORDS)[0]]

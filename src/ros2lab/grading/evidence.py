@@ -101,6 +101,7 @@ class Files:
             Ctrl-C.
         compared: the short texts that the code compares something with.
         depended_on: those that it compares with values from messages, and on which something depends.
+        branches: by such a text, whether its branch is plainly `mute`, or the program's `last`; see `branches`.
         idle: for each file, the lines of functions that never run and of assignments that no running code
             reads.
         ends: the publishers and subscriptions that the code creates.
@@ -136,6 +137,7 @@ class Files:
     handlers: dict[str, list[Place]] = field(default_factory=dict)
     compared: list[str] = field(default_factory=list)
     depended_on: list[str] = field(default_factory=list)
+    branches: dict[str, list[str]] = field(default_factory=dict)
     idle: dict[str, list[int]] = field(default_factory=dict)
     ends: list[WrittenEnd] = field(default_factory=list)
     ends_meant: list[WrittenEnd] = field(default_factory=list)

@@ -11,7 +11,6 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from functools import cache, cached_property
 
-from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PAUSES, PythonSource, children, walk
 from ros2lab.grading.code.compared import LOOKS_FOR, compared
 from ros2lab.grading.code.running import Code
@@ -23,35 +22,34 @@ _LOOKS_UP = frozenset(("get", "pop", "setdefault", "__getitem__"))
 
 def depended_on(sources: Collection[PythonSource], code: Code) -> list[str]:
     """Return the texts that running code compares with values from messages, if something depends on it."""
-    flow = _Flow(NodeSources({source.name: source for source in sources}), {node for _, node in code})
+    flow = Flow(sources, code)
     return compared(node for node in flow.code if flow.tells_apart(node))
 
 
-class _Flow:
+class Flow:
     """Where values from messages go.
 
     Attributes:
         code: the nodes that run.
+        parents: by node, the one around it.
+        named: the functions that run, by name.
     """
 
-    def __init__(self, sources: NodeSources, code: set[ast.AST]) -> None:
-        self.code = code
-        self._parents = {
-            child: node
-            for source in sources.sources.values()
-            for node in source.nodes
-            for child in children(node)
+    def __init__(self, sources: Collection[PythonSource], code: Code) -> None:
+        self.code = {node for _, node in code}
+        self.parents = {
+            child: node for source in sources for node in source.nodes for child in children(node)
         }
-        self._called = Counter(_name(node.func) for node in code if isinstance(node, ast.Call))
+        self._called = Counter(_name(node.func) for node in self.code if isinstance(node, ast.Call))
         self._loaded = Counter(
-            _name(node) for node in code if isinstance(getattr(node, "ctx", None), ast.Load)
+            _name(node) for node in self.code if isinstance(getattr(node, "ctx", None), ast.Load)
         )
         self._has_callbacks = "create_subscription" in self._called
         self._own_names = cache(_own_names)
-        self._named = defaultdict[str, list[ast.AST]](list)  # functions by name
-        for node in code:
+        self.named = defaultdict[str, list[ast.AST]](list)
+        for node in self.code:
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
-                self._named[node.name].append(node)
+                self.named[node.name].append(node)
 
     def tells_apart(self, node: ast.AST) -> bool:
         """Return whether something depends on a comparison or look-up of a value from a message."""
@@ -61,7 +59,7 @@ class _Flow:
             case ast.Call(func=ast.Attribute(value=owner, attr=name), args=given) if name in LOOKS_FOR:
                 return any(map(self._comes, (owner, *given))) and self._matters(node)
             case ast.MatchValue():
-                case, statement = self._above(node, ast.match_case), self._above(node, ast.Match)
+                case, statement = self.above(node, ast.match_case), self.above(node, ast.Match)
                 return (
                     isinstance(statement, ast.Match)
                     and isinstance(case, ast.match_case)
@@ -71,13 +69,13 @@ class _Flow:
             case ast.Dict(values=values) if len(values) > 1 and len({*map(ast.dump, values)}) == 1:
                 return False  # it tells no key from another
             case ast.Dict():
-                is_handed_on = isinstance(self._parents.get(node), (ast.Call, ast.Return, ast.keyword))
+                is_handed_on = isinstance(self.parents.get(node), (ast.Call, ast.Return, ast.keyword))
                 return is_handed_on or any(map(self._matters, self._look_ups(node)))
         return False
 
     def _look_ups(self, table: ast.Dict) -> Iterator[ast.AST]:
         """Yield the nodes in which a value from a message is looked up in a dictionary, or used beside it."""
-        kept = {_name(target) for target in _targets(self._parents.get(table))}
+        kept = {_name(target) for target in _targets(self.parents.get(table))}
         for node in self.code:
             parts: list[ast.AST] = []
             match node:
@@ -93,7 +91,7 @@ class _Flow:
 
     def _matters(self, node: ast.AST) -> bool:
         """Return whether what is done may depend on the value of an expression."""
-        above = self._parents.get(node)
+        above = self.parents.get(node)
         matters = above is not None
         match above:
             case ast.If(test=test) if test is node:
@@ -111,7 +109,7 @@ class _Flow:
             case ast.NamedExpr():
                 matters = self._is_read(above) or self._matters(above)
             case ast.Return():
-                function = self._above(above, *_FUNCTIONS)
+                function = self.above(above, *_FUNCTIONS)
                 matters = not isinstance(function, ast.FunctionDef) or self._called[function.name] > 0
             case ast.expr():
                 matters = isinstance(above, ast.Lambda) or self._matters(above)
@@ -179,7 +177,7 @@ class _Flow:
     def _received(self, function: ast.expr) -> Iterator[Name]:
         """Yield the names that may get a call's arguments: parameters, and the object of a method."""
         name = _name(function)
-        for called in (*self._named[name], *self._named["__init__"]):
+        for called in (*self.named[name], *self.named["__init__"]):
             yield from ((called, given) for given in _given(called))
         if isinstance(function, ast.Attribute) and _name(function.value) not in ("", "self"):
             yield self._key(function.value)
@@ -193,16 +191,16 @@ class _Flow:
         name = _name(node)
         if isinstance(node, ast.Attribute):
             return (None, f".{name}")
-        function = self._above(node, *_FUNCTIONS)
+        function = self.above(node, *_FUNCTIONS)
         while function is not None and name not in self._own_names(function):
-            function = self._above(function, *_FUNCTIONS)
+            function = self.above(function, *_FUNCTIONS)
         return (function, name)
 
-    def _above(self, node: ast.AST, *kinds: type[ast.AST]) -> ast.AST | None:
+    def above(self, node: ast.AST, *kinds: type[ast.AST]) -> ast.AST | None:
         """Return the innermost node of some kinds around another one; None if there is none."""
-        above = self._parents.get(node)
+        above = self.parents.get(node)
         while above is not None and not isinstance(above, kinds):
-            above = self._parents.get(above)
+            above = self.parents.get(above)
         return above
 
 

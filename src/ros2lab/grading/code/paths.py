@@ -230,6 +230,12 @@ def _leaves(source: PythonSource, part: ast.AST) -> bool:
     return isinstance(part, _LEAVES)
 
 
+def ends_program(source: PythonSource, part: ast.AST) -> bool:
+    """Return whether a statement ends its program, or never ends itself."""
+    is_left = isinstance(part, ast.Raise) or (isinstance(part, ast.Expr) and _leaves(source, part))
+    return is_left or _ends(source, part)
+
+
 def _breaks(loop: ast.While) -> bool:
     return any(isinstance(node, ast.Break) for node in walk(loop))
 

@@ -13,6 +13,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from ros2lab.assignments import Part
+from ros2lab.grading.code.branches import LAST, MUTE
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.judging import reactions
 from ros2lab.grading.judging.commanded import (
@@ -159,7 +160,8 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
     logged -= told_by_place(part, every, unprompted(case))
     own = _own_words(part, runs, {id(run) for run in runs}, unprompted(case))
     own = [word for word in own if any(word in _logged(_with_own(part, run), run) for run in runs)]
-    unsent = unsent_by(case, part, runs, logged)
+    mute = {word for word, found in case.evidence.files.branches.items() if MUTE in found}
+    unsent = unsent_by(case, part, runs, logged) - mute
     silent = [word for word in part.commands if word not in logged | unsent]
     if len(own) >= len(silent):
         level = "until_end" if unsent - logged else "all"
@@ -191,7 +193,7 @@ def _shared(case: Case, part: Part, runs: Iterable[Run]) -> set[str]:
 
 
 @question(
-    "lives moves deaf dies ends unseen untried missing",
+    "lives moves deaf dies ends leaves unseen untried missing",
     "command last end program tried",
     nodes.CODES,
     mute="dies ends unseen untried",
@@ -218,11 +220,19 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
         level, seen["command"] = "moves", _named(mover.text, "unknown command")
     elif not _is_answered(case, part):
         level = "unseen"
+    elif leaves := _leaving(case, part, [one.run for one in tried]):
+        level, key, seen["command"] = "leaves", "files.branches", _named(leaves)
     elif _is_deaf(part, player.run):
         level, seen["command"] = "deaf", _last_answered(part, player.run)
     else:
         level = "lives"
     return Answer(level, seen, (key,), shown(player.node))
+
+
+def _leaving(case: Case, part: Part, runs: Iterable[Run]) -> str:
+    """Return the first command that was not sent, and at which the code plainly ends the program; empty if there is none."""
+    unsent, told = unsent_by(case, part, runs, set()), case.evidence.files.branches
+    return next((word for word in part.commands if word in unsent and LAST in told.get(word, ())), "")
 
 
 def _tried(part: Part, run: Run) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from difflib import SequenceMatcher
 
+from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.python_source import PythonSource
 
 LIKE = 0.7  # how similar what is to be written is to what stands there, at least
@@ -16,13 +17,14 @@ _WRITE = re.compile(
 )
 
 
-def all_corrected(sources: Sequence[PythonSource], findings: list[list[str]]) -> list[PythonSource]:
+def all_corrected(sources: Sequence[PythonSource], findings: Iterable[Finding]) -> list[PythonSource]:
     """Return the sources with slips of typing corrected as some findings say; empty if there are none."""
+    findings = [*findings]
     found = [corrected(source, findings) for source in sources]
     return found if found != [*sources] else []
 
 
-def corrected(source: PythonSource, findings: Iterable[Sequence[str]]) -> PythonSource:
+def corrected(source: PythonSource, findings: Iterable[Finding]) -> PythonSource:
     """Return a file with the fixes of the findings about its lines; itself if none of them is a slip of typing.
 
     A slip is one of names, dots and commas, or a name of another API: a fix that brings another text or number changes what
@@ -30,12 +32,12 @@ def corrected(source: PythonSource, findings: Iterable[Sequence[str]]) -> Python
 
     Args:
         source: a file that Python can read.
-        findings: what `diagnose` found in it, as in `Files.findings`.
+        findings: what `diagnose` found in it.
     """
     text = source.text
-    for _, _, place, fix, *_ in findings:
-        file, _, line = place.rpartition(":")
-        told = _WRITE.fullmatch(fix)
+    for finding in findings:
+        file, _, line = finding.place.rpartition(":")
+        told = _WRITE.fullmatch(finding.fix)
         if file == source.shown and line.isdigit() and told:
             text = _written(text, int(line), told["new"], told["old"]) or text
     return source if text == source.text else replace(source, text=text)

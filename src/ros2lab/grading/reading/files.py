@@ -26,6 +26,7 @@ from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
+from ros2lab.grading.code.branches import branches
 from ros2lab.grading.code.compared import compared
 from ros2lab.grading.code.dependence import depended_on
 from ros2lab.grading.code.own_messages import Messages, own_messages
@@ -56,6 +57,7 @@ from ros2lab.handlers import Handlers
 
 MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
+_Ends = tuple[list[WrittenEnd], list[WrittenEnd]]
 
 
 def look(
@@ -96,7 +98,7 @@ def look(
 
 
 def ends_meant(
-    root: Path, found: Submission, asked: Assignment, findings: list[list[str]]
+    root: Path, found: Submission, asked: Assignment, findings: Iterable[Finding]
 ) -> list[WrittenEnd]:
     """Return `Files.ends_meant` of a submission with a package by other findings."""
     return _PackageReader(root, found, asked, ()).meant(findings)
@@ -171,6 +173,7 @@ class _PackageReader:
             "handlers": lambda: _handlers(_of_nodes(self.sources), self.code),
             "compared": lambda: compared(node for _, node in self.mended_code),
             "depended_on": lambda: depended_on(self.mended, self.mended_code),
+            "branches": lambda: branches(self.mended, self.mended_code, self.findings),
             "idle": lambda: idle(self.sources, self.code),
             "ends": lambda: self.ends[0],
             "ends_elsewhere": lambda: ends_elsewhere(
@@ -180,7 +183,7 @@ class _PackageReader:
                 name: value for package in reversed(graded) for name, value in _declared(package).items()
             },
             "findings": lambda: in_evidence(self.findings),
-            "ends_meant": lambda: self.meant(in_evidence(self.findings)),
+            "ends_meant": lambda: self.meant(self.findings),
             "ends_left": lambda: ends_left(
                 self.ends[0], self.findings, lambda vain: self._ends_in(self.mended, vain)[0]
             ),
@@ -224,19 +227,17 @@ class _PackageReader:
         return own_messages(named)
 
     @cached_property
-    def ends(self) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
+    def ends(self) -> _Ends:
         return self._ends_in(self.mended)
 
-    def meant(self, findings: list[list[str]]) -> list[WrittenEnd]:
+    def meant(self, findings: Iterable[Finding]) -> list[WrittenEnd]:
         return self._ends_in(all_corrected(self.mended, findings))[0]
 
     @cached_property
     def findings(self) -> list[Finding]:
         return _findings(self.root, self.submission, self.graded)
 
-    def _ends_in(
-        self, sources: Sequence[PythonSource], vain: Collection[str] = ()
-    ) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
+    def _ends_in(self, sources: Sequence[PythonSource], vain: Collection[str] = ()) -> _Ends:
         words = self.assignment.commanded.commands if self.assignment.commanded else ()
         return written_ends(sources, self.entrances, words, self.messages, vain)
 
@@ -267,6 +268,7 @@ def _loose(
         "handlers": lambda: _handlers(loose, [*running(loose)]),
         "compared": lambda: compared(node for _, node in running(whole())),
         "depended_on": lambda: depended_on(whole(), [*running(whole())]),
+        "branches": lambda: branches(whole(), [*running(whole())], findings()),
         "ends": ends,
         "ends_left": lambda: ends_left(
             ends(), findings(), lambda vain: written_ends(whole(), words=words, vain=vain)[0]
@@ -275,7 +277,7 @@ def _loose(
             root, paths, loose, itertools.chain(*written_ends(loose, words=words))
         ),
         "findings": lambda: in_evidence(findings()),
-        "ends_meant": lambda: written_ends(all_corrected(whole(), in_evidence(findings())), words=words)[0],
+        "ends_meant": lambda: written_ends(all_corrected(whole(), findings()), words=words)[0],
     }
     facts, unread = read_all(readers)
     unread |= _unread(" ".join(submission.left_unread), loose)

@@ -20,7 +20,7 @@ from ros2lab.grading.evidence import Evidence, Files
 OF_CODE = (
     *("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded", "tests", "handlers"),
     *("compared", "depended_on", "idle", "ends", "ends_elsewhere", "declared", "findings"),
-    *("ends_meant", "ends_left"),
+    *("branches", "ends_meant", "ends_left"),
 )
 # Of these, what each file adds its share to: where some of the code was read, its share stands for all.
 OF_EACH_FILE = frozenset(("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded"))
