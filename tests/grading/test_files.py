@@ -786,6 +786,18 @@ def test_of_a_readme_only_what_a_page_shows_is_read(
             "#+AUTHOR: /cmd_vel\n* One\n:PROPERTIES:\n:a: /cmd_vel\n:END:\n#+begin_src bash\ncolcon build\n#+end_src\n* Two :noexport:\n/cmd_vel\n** Below\n/cmd_vel\n* COMMENT Three\n/cmd_vel\n* Four\n#+BEGIN_EXPORT latex\n/cmd_vel\n#+END_EXPORT\n: on",
             "* One #+begin_src bash colcon build #+end_src * Four : on",
         ),
+        (
+            "README.org",
+            "On.\n#+begin_src sh :exports none\nros2 run a b\n#+end_src\n#+HEADER: :exports results\n#+begin_src sh\nros2 run a b\n#+end_src\n",
+            "On.",
+        ),
+        (
+            "README.org",
+            "#+PROPERTY: header-args :exports none\n#+begin_src sh\nros2 run a b\n#+end_src\n#+begin_src sh :exports code\ncolcon build\n#+end_src",
+            "#+begin_src sh :exports code colcon build #+end_src",
+        ),
+        ("README.org", "Go @@latex:/cmd_vel@@on src_sh[:exports none]{ros2 run a b}.", "Go on ."),
+        ("README.rst", ".. role:: tex(raw)\n   :format: latex\n\nDrive :tex:`/cmd_vel` _`on`.", "Drive on."),
         ("README.txt", "# Drive\n// on\n.. and on", "# Drive // on .. and on"),
     ],
 )

@@ -24,6 +24,15 @@ _HEADLINE = re.compile(r"(\*+)[ \t]+(COMMENT\b)?.*?([ \t]+:[\w@:]*\b(?:noexport|
 _BLOCK = re.compile(
     r"[ \t]*#\+begin_(comment|export)\b.*?(?:^[ \t]*#\+end_\1\b[^\n]*|\Z)", re.M | re.S | re.I
 )
+# Code, with what says of it, or of all code below, what is exported.
+_CODE = re.compile(
+    r"(?P<said>(?:^[ \t]*#\+headers?:.*\n)*^[ \t]*#\+begin_src\b.*$)(?s:.*?)(?:^[ \t]*#\+end_src\b.*$|\Z)"
+    r"|src_\w+(?P<given>\[.*?\])\{.*?\}"
+    r"|header-args\S*(?P<below>.*)",
+    re.M | re.I,
+)
+_EXPORTS = re.compile(r":exports[ \t]+(\w+)", re.I)
+_SNIPPET = re.compile(r"@@[\w-]+:(?s:.*?)@@")  # for one kind of page alone
 _DRAWER = re.compile(r"^[ \t]*:[\w-]+:[ \t]*$.*?(?:^[ \t]*:end:[ \t]*$|\Z)", re.M | re.S | re.I)
 _KEYWORD = re.compile(r"^[ \t]*#(?:\+(?!title:)\w+(?:\[.*\])?:.*|[ \t].*)?$", re.M | re.I)
 
@@ -91,13 +100,27 @@ def _holds(name: str, word: str, attributes: Mapping[str, str]) -> bool:
 
 def _of_org(text: str) -> Iterator[str]:
     hidden = 0  # the level of the headline below which nothing is shown
-    for line in _KEYWORD.sub("", _DRAWER.sub("", _BLOCK.sub("", text))).splitlines():
+    shown = _KEYWORD.sub("", _DRAWER.sub("", _exported(_SNIPPET.sub("", _BLOCK.sub("", text)))))
+    for line in shown.splitlines():
         if headline := _HEADLINE.match(line):
             level = len(headline[1])
             if not hidden or level <= hidden:
                 hidden = level if headline[2] or headline[3] else 0
         if not hidden:
             yield line
+
+
+def _exported(text: str) -> str:
+    """Return a text in Org without the code that is not exported."""
+    of_all = ""  # what was said last of all code below
+
+    def left(code: re.Match[str]) -> str:
+        nonlocal of_all
+        of_all = code["below"] or of_all
+        said = _EXPORTS.findall(f"{of_all} {code['said'] or code['given'] or ''}")
+        return "" if code["below"] is None and said and said[-1].lower() in ("none", "results") else code[0]
+
+    return _CODE.sub(left, text)
 
 
 _READERS: Mapping[str, Callable[[str], Iterator[str] | list[str]]] = {

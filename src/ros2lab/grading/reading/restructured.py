@@ -13,21 +13,14 @@ from ros2lab.grading.reading.markdown import shown_math
 _SETTINGS = {
     "_disable_config": True,
     "file_insertion_enabled": False,
-    "raw_enabled": False,
+    "raw_enabled": True,
     "halt_level": 5,
     "report_level": 5,
     "smart_quotes": False,
     "syntax_highlight": "none",
     "warning_stream": False,
 }
-_NOT_SHOWN = (
-    nodes.comment,
-    nodes.substitution_definition,
-    nodes.pending,
-    nodes.raw,
-    nodes.meta,
-    nodes.system_message,
-)
+_NOT_SHOWN = (nodes.Special, nodes.meta)  # but a target within a line is shown
 
 
 def shown(text: str) -> str:
@@ -54,7 +47,7 @@ def _shown(node: nodes.Node) -> Iterator[str]:
             yield f"```\n{node.astext()}\n```\n\n"
         case nodes.literal():
             yield f"`{node.astext()}`"
-        case nodes.Element() if not isinstance(node, _NOT_SHOWN):
+        case nodes.Element() if isinstance(node, nodes.target) or not isinstance(node, _NOT_SHOWN):
             for child in node.children:
                 yield from _shown(child)
             if isinstance(node, nodes.TextElement) and not isinstance(node, nodes.Inline):
