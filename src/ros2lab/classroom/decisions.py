@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from ros2lab.classroom.gradebook import Row
-from ros2lab.classroom.handed_in import ClassError
+from ros2lab.classroom.handed_in import ClassError, named_by
 from ros2lab.grading.rubric import Rubric
 
 COLUMNS = ("student", "criterion", "points", "comment", "by")
@@ -72,17 +72,15 @@ def checked(decided: Decided, rubric: Rubric) -> Decided:
 
 
 def row_of(word: str, rows: Sequence[Row]) -> Row:
-    """Return the row of the student that a word names: by the key, which no other has, else by any of the rest.
+    """Return the row of the student that a word names: by the key, which no other has, else as `named_by`.
 
     Raises:
         ClassError: if it names none, or more than one.
     """
-    rows = rows if word else []
     named = [row for row in rows if word == row.handed.key]
-    named = named or [
-        row for row in rows if word in (row.handed.student_id, row.handed.email, row.handed.name)
-    ]
-    named = named or [row for row in rows if word.casefold() in row.handed.name.casefold()]
+    if not named:
+        meant = named_by(word, (row.handed for row in rows))
+        named = [row for row in rows if row.handed in meant]
     if len(named) == 1:
         return named[0]
     if not named:

@@ -12,7 +12,7 @@ import yaml
 
 from ros2lab.assignments.lesson import load_lesson
 from ros2lab.classroom import identity, names, roster
-from ros2lab.classroom.handed_in import ClassError, HandedIn, is_archive, latest
+from ros2lab.classroom.handed_in import ClassError, HandedIn, is_archive, latest, named_by
 
 METADATA = "submission_metadata.yml"
 SUBMITTED = "submitted"
@@ -226,15 +226,14 @@ def _unpacked(archive: Path, folder: Path) -> Path:
 
 
 def chosen(rows: Iterable[HandedIn], words: Iterable[str]) -> list[HandedIn]:
-    """Return the rows that words name: by key, id, email, or a part of the name.
+    """Return the rows that words name; see `named_by`.
 
     Raises:
         ClassError: if a word names none.
     """
     rows, found = [*rows], dict[str, HandedIn]()
     for word in words:
-        exact = [row for row in rows if word in (row.key, row.student_id, row.email, row.name)]
-        named = exact or [row for row in rows if word.casefold() in row.name.casefold()]
+        named = named_by(word, rows)
         if not named:
             raise ClassError(
                 f"Nobody in this class is called {word!r}; give a name, an id or an email address."

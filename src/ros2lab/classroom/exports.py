@@ -11,7 +11,6 @@ import json
 import os
 import re
 import shutil
-import unicodedata
 import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -21,7 +20,7 @@ from pathlib import Path
 
 from ros2lab import course, environment
 from ros2lab.classroom.gradebook import Gradebook, Row
-from ros2lab.classroom.handed_in import ClassError
+from ros2lab.classroom.handed_in import ClassError, as_one_name
 from ros2lab.classroom.judging import read_grade
 from ros2lab.classroom.report import file_name, is_device
 from ros2lab.grading.evidence_json import read_evidence
@@ -334,10 +333,10 @@ def _feedback(graded: Class, path: Path) -> str:
 def _folders(rows: Sequence[Row]) -> dict[str, str]:
     """Return the name of each student's folder, by key: the platform's, where every system takes it for one of its own."""
     own = {row.handed.key: file_name(row) for row in rows}
-    count = Counter(map(_as_one_name, [*own.values(), *(row.handed.label for row in rows)]))
+    count = Counter(map(as_one_name, [*own.values(), *(row.handed.label for row in rows)]))
     return {
         key: row.handed.label
-        if _is_folder(row.handed.label) and count[_as_one_name(row.handed.label)] == 1
+        if _is_folder(row.handed.label) and count[as_one_name(row.handed.label)] == 1
         else own[key]
         for row in rows
         for key in [row.handed.key]
@@ -351,11 +350,6 @@ def _is_folder(label: str) -> bool:
     is_kept = label.strip(" ").rstrip(". ") == label and not is_device(label)
     is_harmless = not re.search(r"[/\\<>:\"|?*`$]", label) and disarmed(visible(label)) == label
     return is_short and is_kept and is_harmless
-
-
-def _as_one_name(name: str) -> str:
-    """Return what is the same for names that are one file on some system: of other capitals, or another form of Unicode."""
-    return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
 
 
 def _nbgrader(graded: Class, path: Path) -> str:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
+
+from ros2lab.grading.senses import seen
 
 _ARCHIVE = re.compile(r"\.(zip|tar|tgz|tar\.\w+|tbz2?|txz)$", re.IGNORECASE)
 
@@ -123,3 +126,22 @@ def _counting(rows: list[HandedIn], *, is_one_each: bool) -> Iterator[HandedIn]:
 def _notes(left_out: list[str]) -> Iterator[str]:
     if left_out:
         yield f"Not graded, for something else of the same student counts: {', '.join(left_out)}."
+
+
+def named_by(word: str, rows: Iterable[HandedIn]) -> list[HandedIn]:
+    """Return whom a word names: by the key, the id, the address or the whole name, else by a part of the name.
+
+    What looks alike is the same, whatever its capitals, its spaces, and how its letters are composed.
+    """
+    rows, meant = [*rows], as_one_name(seen(word))
+    whole = [
+        row
+        for row in rows
+        if meant in (as_one_name(seen(text)) for text in (row.key, row.student_id, row.email, row.name))
+    ]
+    return (whole or [row for row in rows if meant in as_one_name(seen(row.name))]) if meant else []
+
+
+def as_one_name(name: str) -> str:
+    """Return what is the same for names that are one file on some system: of other capitals, or another form of Unicode."""
+    return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
