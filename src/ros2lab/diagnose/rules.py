@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
+from dataclasses import replace
 
 from ros2lab.diagnose.code.angles import angle_faults
 from ros2lab.diagnose.code.argument_names import argument_name_faults
@@ -20,8 +21,9 @@ from ros2lab.diagnose.code.one_time import one_time_faults
 from ros2lab.diagnose.code.private_names import private_name_faults
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.units import unit_faults
-from ros2lab.diagnose.finding import Finding, ranked
-from ros2lab.diagnose.net import guarded
+from ros2lab.diagnose.code.unquoted_texts import IF_TEXT, with_quotes
+from ros2lab.diagnose.finding import Finding, ranked, stops_node
+from ros2lab.diagnose.net import changed, guarded
 from ros2lab.diagnose.nodes.bursts import burst_faults
 from ros2lab.diagnose.nodes.life_faults import life_faults
 from ros2lab.diagnose.nodes.message_faults import message_faults
@@ -43,8 +45,23 @@ def source_faults(sources: NodeSources, mains: list[str] | None = None) -> Itera
     twice = [*guarded(bound_twice, sources)]
     # Where a name means something else than it should, what else is said of the line is said of the wrong thing.
     places = {finding.place for finding in twice}
-    yield from (finding for finding in _source_faults(sources, mains) if finding.place not in places)
+    found = [finding for finding in _source_faults(sources, mains) if finding.place not in places]
+    yield from (changed(_fitting, finding, sources, found) for finding in found)
     yield from twice
+
+
+def _fitting(finding: Finding, sources: NodeSources, known: Collection[Finding]) -> Finding:
+    """Return a finding without the fix that puts quotes around a name where the rules object to the text."""
+    _, _, otherwise = finding.fix.partition(IF_TEXT)
+    file, _, line = finding.place.rpartition(":")
+    source = next((one for one in sources.sources.values() if otherwise and one.shown == file), None)
+    if source is None:
+        return finding
+    quoted = with_quotes(source, int(line), otherwise)
+    new = guarded(message_faults, NodeSources({**sources.sources, source.name: quoted}))
+    codes = {one.code for one in known if one.place == finding.place}
+    is_wrong = any(one.place == finding.place and one.code not in codes and stops_node(one) for one in new)
+    return replace(finding, fix=otherwise) if is_wrong else finding
 
 
 def _source_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Finding]:

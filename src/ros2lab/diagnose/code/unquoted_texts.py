@@ -5,10 +5,11 @@ from __future__ import annotations
 import ast
 import re
 import sys
+from dataclasses import replace
 
 from ros2lab.diagnose.code.unknown_names import Unknown, cause_of
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.python_source import last_name
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name
 from ros2lab.diagnose.sources.signatures import Parameter, kind_of, signature_of
 
 _Reading = tuple[str, str]  # the cause, and the fix
@@ -16,6 +17,13 @@ IF_TEXT = " if it is meant as a string; otherwise "  # joins two fixes, of which
 _FILES = frozenset(("py", "xml", "yaml", "yml"))  # endings of file names, which look like attributes
 _HOLDERS = (ast.List, ast.Tuple, ast.Dict, ast.Set)
 _PATH_SIGNS = (ast.Div, ast.Sub, ast.MatMult)  # `/`, `-` and `@` in a string without quotes
+
+
+def with_quotes(source: PythonSource, number: int, otherwise: str) -> PythonSource:
+    """Return a file with quotes around the name that a fix of `as_text` says to define, on one of its lines."""
+    name, lines = otherwise.split()[-2], source.text.split("\n")
+    lines[number - 1] = re.sub(rf"(?<![\w.]){re.escape(name)}\b", repr(name), lines[number - 1])
+    return replace(source, text="\n".join(lines))
 
 
 def as_path(unknown: Unknown) -> _Reading | None:
