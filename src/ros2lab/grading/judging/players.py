@@ -59,6 +59,13 @@ class Case:
         package = self.evidence.submission.package
         return (package.name or "") if package else ""
 
+    def at(self, file: str) -> str:
+        """Return the path of a file of the package, or of the one whose module it is, as it was handed in."""
+        submission, name = self.evidence.submission, file.partition("/")[0]
+        packages = filter(None, (submission.package, *submission.packages))
+        package = next((one for one in packages if one.name == name), submission.package)
+        return str(PurePosixPath(package.folder, file)) if package else file
+
     @cached_property
     def short_lived(self) -> frozenset[str]:
         """The full names of the nodes whose program ended by itself when run alone."""

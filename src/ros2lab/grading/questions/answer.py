@@ -36,7 +36,7 @@ _LOGS_ERROR = re.compile(r"\s*\[(?:WARN|ERROR|FATAL)\] \[")
 _REPORT = re.compile(r"\s*\[(?:DEBUG|INFO)\] \[")  # log lines about no error
 
 # A traceback's frame in the submission, as it was written or as it was installed.
-_FRAME = re.compile(rf'File "{FILES}/(?:[^"\n]*-packages/)?([^"\n]+)", line (\d+)')
+_FRAME = re.compile(rf'File "{FILES}/([^"\n]*-packages/)?([^"\n]+)", line (\d+)')
 
 
 def shown(text: object, longest: int = LONGEST) -> str:
@@ -285,7 +285,7 @@ def last_word(text: str, longest: int = LONGEST) -> str:
     return f"{word}, for there is no keyboard where it is graded" if is_unread else word
 
 
-def raised_at(text: str, program: str) -> str:
-    """Return a traceback's last place in the submission; the program's name if there is none."""
-    frames = _FRAME.findall(text)
-    return shown(":".join(frames[-1])) if frames else shown(program)
+def raised_at(case: Case, text: str, program: str) -> str:
+    """Return a traceback's last place in the submission, as it was handed in; the program's name if there is none."""
+    places = [f"{case.at(file) if built else file}:{line}" for built, file, line in _FRAME.findall(text)]
+    return shown([program, *places][-1])

@@ -209,7 +209,7 @@ def commands_do_no_harm(case: Case, part: Part) -> Answer:
     tried = [one for one in case.players[part.name] if one.commands]
     alike = [player, *(one for one in tried if one.program == player.program and one.is_ended_by_command)]
     if dead := next((one for one in alike if one.end is not None), None):
-        return _end(dead, seen)
+        return _end(case, dead, seen)
     if restart := next(filter(None, (one.restarted_at for one in tried)), None):
         seen |= {"command": _named(restart.text), "end": "and began anew"}
         return Answer("dies", seen, (key,), shown(player.node))
@@ -277,12 +277,12 @@ def _is_answered(case: Case, part: Part) -> bool:
     return any(reactions.is_followed(player.run, alone, has_own_log=player in telling) for player in tried)
 
 
-def _end(player: Player, seen: dict[str, str]) -> Answer:
+def _end(case: Case, player: Player, seen: dict[str, str]) -> Answer:
     seen = seen | {
         "last": last_word(player.end or ""),
         "end": ended(player.end or "", is_done=player.is_done),
     }
-    deadly, place = player.last_command, raised_at(player.end or "", player.program)
+    deadly, place = player.last_command, raised_at(case, player.end or "", player.program)
     if deadly is None:
         return Answer("ends", seen, (f"runs[{player.number}].ended",), place)
     seen["command"] = _named(deadly.text)

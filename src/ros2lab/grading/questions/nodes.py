@@ -168,7 +168,7 @@ def goes_on(case: Case, part: Part) -> Answer:
             seen |= {"last": last_word(one.end), "end": ended(one.end, f"{word} with", is_done=one.is_done)}
             is_error = "Error" in one.end or "Exception" in one.end
             level = "cut" if is_limit(one.end) else "dies" if is_error else "ends"
-            return Answer(level, seen, (f"runs[{one.number}].ended",), raised_at(one.end, one.program))
+            return Answer(level, seen, (f"runs[{one.number}].ended",), raised_at(case, one.end, one.program))
     if any(candidate.topic in candidate.run.stalled for candidate in alike):
         return Answer("stops", seen, (f"runs[{player.number}].stalled",), shown(player.node))
     for one in alike:

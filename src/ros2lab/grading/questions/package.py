@@ -49,7 +49,7 @@ def manifest_is_valid(case: Case) -> Answer:
         level = "invalid"
     else:
         level = "right" if facts.get("is_ament_python") else "wrong_type"
-    return Answer(level, {}, ("files.manifest",), "package.xml")
+    return Answer(level, {}, ("files.manifest",), case.at("package.xml"))
 
 
 @question(
@@ -81,7 +81,7 @@ def dependencies_are_declared(case: Case) -> Answer:
     ]
     fault = f"not {listed(undeclared)}, which is imported, too" if undeclared else "also what does not exist"
     seen = {"missing": listed([*missing, *undeclared]), "fault": fault}
-    return Answer(level, seen, ("files.manifest",), "package.xml")
+    return Answer(level, seen, ("files.manifest",), case.at("package.xml"))
 
 
 def _packages_seen(case: Case) -> list[str]:
@@ -128,7 +128,7 @@ def setup_installs_the_package(case: Case) -> Answer:
         "fault": shown(causes[0], 160) if causes else "",
         "but": "; why it does not build counts elsewhere" if build and not build.is_built else "",
     }
-    return Answer(level, seen, ("files.setup", "build.error"), "setup.py")
+    return Answer(level, seen, ("files.setup", "build.error"), case.at("setup.py"))
 
 
 @question("right partly misplaced missing", "fault what", _MARKER_CODES)
@@ -155,7 +155,7 @@ def package_is_registered(case: Case) -> Answer:
     points = [one for one in case.executables.values() if one.has_entry_point]
     is_there = any(not one.fault.startswith((ELSEWHERE, NOWHERE, UNBUILT)) for one in points)
     what = "Marker, package.xml and executables" if is_there else "Marker and package.xml"
-    return Answer(level, {"fault": fault, "what": what}, ("files.setup",), place)
+    return Answer(level, {"fault": fault, "what": what}, ("files.setup",), case.at(place))
 
 
 def _as_installed(case: Case) -> dict[str, bool]:
@@ -191,7 +191,7 @@ def nodes_are_installed(case: Case) -> Answer:
         ("build.executables", "files.setup"),
     )
     if build is None or not facts.get("is_there") or not build.executables:
-        return Answer("none", seen, keys, "setup.py")
+        return Answer("none", seen, keys, case.at("setup.py"))
     playing = _lost(case)
     lost = _all_lost(case, playing)
     broken = [name for name, one in case.executables.items() if one.way == "installed" and one.fault]
@@ -202,13 +202,17 @@ def nodes_are_installed(case: Case) -> Answer:
     ways = [executable.way for executable in points]
     if build.cut or ("installed" not in ways and not is_right):
         level = "unread" if facts.get("has_entry_points") and not build.cut else "none"
-        return Answer(level, seen, keys, "setup.py")
+        return Answer(level, seen, keys, case.at("setup.py"))
     if is_right and (why := _unreachable(build, facts, points)):
-        return Answer("unreachable", seen | {"unreachable": why}, keys, "setup.py", excuse=wanting(case))
+        return Answer(
+            "unreachable", seen | {"unreachable": why}, keys, case.at("setup.py"), excuse=wanting(case)
+        )
     if not lost and (idle := _idle(case)):
-        return Answer("idle", {**seen, "lost": listed(idle)}, ("build.executables", "runs"), "setup.py")
+        return Answer(
+            "idle", {**seen, "lost": listed(idle)}, ("build.executables", "runs"), case.at("setup.py")
+        )
     count = len(playing if any(map(case.is_installed_program, case.executables)) else lost)
-    return Answer(("all", "one_lost", "two_lost")[min(count, 2)], seen, keys, "setup.py")
+    return Answer(("all", "one_lost", "two_lost")[min(count, 2)], seen, keys, case.at("setup.py"))
 
 
 def _all_lost(case: Case, playing: Mapping[str, str]) -> dict[str, str]:

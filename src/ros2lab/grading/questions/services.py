@@ -71,7 +71,7 @@ def service_goes_on(case: Case, part: Part) -> Answer:
     seen |= {"last": "", "end": ""}
     if player.end is not None:
         seen |= {"last": last_word(player.end), "end": ended(player.end)}
-        place = raised_at(player.end, player.program)
+        place = raised_at(case, player.end, player.program)
         return Answer("dies", seen, (f"runs[{player.number}].ended",), place)
     again = [call for call in player.calls if call.is_repeated]
     # A service of another type cannot be called; that counts at its type.

@@ -65,7 +65,7 @@ def colcon_finds_package(case: Case) -> Answer:
     if why := _hidden_by(case):
         return Answer("hidden", seen | {"why": why}, ("submission.notes",), shown(_folder(case)))
     if build.cut:
-        return Answer("endless", seen | {"why": build.cut}, ("build.cut",), "setup.py")
+        return Answer("endless", seen | {"why": build.cut}, ("build.cut",), case.at("setup.py"))
     if build.is_built:
         return Answer("built", seen, ("build.is_built",))
     is_of_another_type = files.manifest.get("is_valid") and not files.manifest.get("is_ament_python")
@@ -141,7 +141,7 @@ def package_has_its_name(case: Case) -> Answer:
     level = "conventional" if _NAME.fullmatch(name) else "unconventional" if name else "unknown"
     if name == wanted:
         level = "asked_for"
-    return Answer(level, seen, ("submission.package.name",), "package.xml")
+    return Answer(level, seen, ("submission.package.name",), case.at("package.xml"))
 
 
 def _folder(case: Case) -> str:

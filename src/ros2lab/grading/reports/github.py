@@ -12,7 +12,7 @@ from ros2lab.grading.reports.shown import number, visible
 
 MOST = 10  # GitHub shows no more of a kind for a step
 
-_PLACE = re.compile(r"(?P<file>[^:]+\.\w+)(?::(?P<line>\d+))?")
+_PLACE = re.compile(r"(?P<file>(?s:.+)\.\w+)(?::(?P<line>\d+))?")
 
 
 def github(grade: Grade) -> str:

@@ -204,12 +204,12 @@ def silent_after(watch: Watch, ears: list[Ear], seconds: float, step: float = ma
 
 def unfollowing(topics: Iterable[str]) -> str:
     """Say which topic shows that a program does not follow the stepped clock."""
-    return f"What comes on {min(topics)} does not follow the stepped clock: it was watched on the real one."
+    return f"What comes on {min(topics)} does not follow the stepped clock."
 
 
 def too_little(topics: Iterable[str]) -> str:
     """Say on which topic too few messages came to show that a program follows the stepped clock."""
-    return f"Too little comes on {min(topics)} to tell whether it follows the stepped clock: it was watched on the real one."
+    return f"Too little comes on {min(topics)} to tell whether it follows the stepped clock."
 
 
 def _is_doubtful(ear: Ear) -> bool:
