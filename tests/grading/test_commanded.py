@@ -78,6 +78,11 @@ def test_a_node_that_shows_nothing_is_not_believed_by_its_code_alone() -> None:
         (lambda text: ["a long one"] if len(text) > 5 else [], 0),
         (lambda text: ["Go"] if text == "START" else [], 2),
         (lambda _text: ["A command came"], 2),
+        (lambda text: ["\u200b" * len(text)], 0),
+        (lambda text: [" " * len(text)], 0),
+        (lambda text: [f"\x1b[8m{text}\x1b[0m"], 0),
+        (lambda text: [f"ok{' ' * len(text)}"], 2),
+        (lambda text: [f"It is {text}\u200b"], 4),
     ],
 )
 def test_a_line_after_an_unknown_word_is_none_after_a_command(log: evidences.Reaction, points: float) -> None:
@@ -112,6 +117,24 @@ def test_a_command_without_a_branch_of_its_own_is_charged_once(
     assert judged(evidence, "commands").points == commands
     one = judged(evidence, "log")
     assert one.points == points, one.reason
+
+
+@pytest.mark.parametrize(
+    ("branches", "points"),
+    [
+        ({}, {"log": 4, "robustness": 4}),
+        ({"stop": ["mute"]}, {"log": 2, "robustness": 4}),
+        ({"start": ["mute", "last"]}, {"log": 4, "robustness": 4}),
+        ({"reset": ["last"]}, {"log": 4, "robustness": 0}),
+    ],
+)
+def test_of_a_command_that_was_not_said_that_is_believed_which_its_branch_has(
+    branches: dict[str, list[str]], points: Mapping[str, float]
+) -> None:
+    run = evidences.command_run(texts=("start",))
+    given = evidences.right([evidences.status_run(), run, evidences.velocity_run()])
+    given = evidences.files(depended_on=[*WORDS], compared=[*WORDS], branches=branches)(given)
+    assert {name: judged(given, name).points for name in points} == points
 
 
 @pytest.mark.parametrize(

@@ -246,6 +246,19 @@ def test_what_fails_anywhere_is_not_excused(code: str, module: str, points: floa
     assert bool(lost) == (points < 20)
 
 
+@pytest.mark.parametrize(("place", "points"), [("src/p/p/velocity.py:9", 7.5), ("", 20)])
+def test_what_diagnose_calls_in_vain_ends_an_excuse_and_is_told(place: str, points: float) -> None:
+    """If the code would publish without it; else it is no fault of what could not be tried."""
+    end = WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], evidences.VELOCITY, ["publishes"])
+    left = [replace(end, does=[], vain=place)] if place else []
+    cause = "`self.go` by itself does nothing."
+    wrong = evidences.finding("no-effect", cause, "src/p/p/velocity.py:9", "write self.go()")
+    given = wrong(evidences.files(ends=[end], ends_left=left)(_needing(evidences.VELOCITY)))
+    grade = _graded(evidences.without(evidences.VELOCITY, WANT)(given))
+    assert grade.components[evidences.VELOCITY].points == points
+    assert [fault.cause for fault in grade.faults] == ([cause] if place else [])
+
+
 def test_a_period_that_a_launch_file_may_give_is_excused() -> None:
     """What the code declares is not what the node is started with, and nobody has seen that."""
     part = load().assignment.parts[evidences.STATUS]

@@ -47,6 +47,8 @@ def with_status(run: Run) -> Run:
         (["\n", "\r\n", "\t"], False),
         (["\x1b", "\x00", "\x07"], False),
         (["\x1b[8m", "\x1b[0m", "\x1b[2J"], False),
+        (["\x1b[8mwell\x1b[0m", "\x1b[0;8mwell", "\x1b[8mwell"], False),
+        (["\x1b[38;5;8mwell", "\x1b[38;5;8mwell", "\x1b[38;5;8mwell"], True),
         (["\x1b[1mwell", "\x1b[1mwell", "\x1b[1mwell"], True),
         (["\u00a0", "\u3000", " "], False),
         (["\u202e", "\ufeff", "\U000e0041"], False),

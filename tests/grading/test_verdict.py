@@ -513,7 +513,9 @@ def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
         'File "/opt/rclpy/publisher.py", line 5, in publish\nValueError: no\n'
     )
     grade = verdict(evidences.ended(evidences.VELOCITY, end)(right()), rubric)
-    assert [fault.place for fault in grade.faults if "ValueError" in fault.cause] == ["pk/drive.py:20"]
+    assert [fault.place for fault in grade.faults if "ValueError" in fault.cause] == [
+        "robot_project_ws/src/robot_controller/pk/drive.py:20"
+    ]
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.reading.corrected import corrected
 from ros2lab.grading.reading.hidden_ends import hidden_ends
-from ros2lab.grading.reading.written_ends import ends_elsewhere, written_ends
+from ros2lab.grading.reading.written_ends import ends_elsewhere, ends_left, written_ends
 
 WORDS = ("start", "stop", "reset")
 SOURCE = """
@@ -366,3 +366,40 @@ if __name__ == '__main__':
 def test_what_is_published_before_anything_calls_back_is_read(text: str, begins: bool) -> None:
     ends, _ = written_ends([PythonSource("a", "a.py", LOOPING % text)])
     assert [end.begins for end in ends if end.is_publisher] == [begins]
+
+
+CALL = "self.status.publish(message)"
+SENT = "\n\n    def send(self, message):\n        self.status.publish(message)\n"
+
+
+@pytest.mark.parametrize(
+    ("other", "line"),
+    [
+        (f"self.send{SENT}", "self.send"),
+        (f"self.send(message){SENT.replace('def', 'async def')}", "self.send(message)"),
+        (f"{CALL}\n        yield message", "yield message"),
+        (f"self.send(message){SENT}\n    def send(self, message):\n        print(message)\n", "def send(self, message):"),
+        (f"with self.lock:\n            self.locked(message)\n\n    def locked(self, message):\n        with self.lock:\n            {CALL}\n", "self.locked(message)"),
+        # with another way to it, or in vain for something else
+        (f"{CALL}\n        self.send{SENT}", ""),
+        (f"{CALL}\n        self.tell\n\n    def tell(self):\n        print('well')\n", ""),
+        (f"{CALL}\n\n    def tell(self):\n        print('a')\n\n    def tell(self):\n        print('b')\n", ""),
+    ],
+)  # fmt: skip
+def test_what_is_done_in_vain_is_left_out(other: str, line: str) -> None:
+    """Whatever `diagnose` calls in vain on the only way to it; what it says of other lines changes nothing."""
+    text = SOURCE.replace(CALL, other).replace("import rclpy", "import threading\nimport rclpy", 1)
+    text = text.replace(
+        "        self.speed =", "        self.lock = threading.Lock()\n        self.speed =", 1
+    )
+    source = PythonSource("status", "status.py", text)
+    findings = [one for one in text_faults(source) if one.never]
+    assert findings
+    ends = written_ends([source], words=WORDS)[0]
+    left = ends_left(ends, findings, lambda vain: written_ends([source], words=WORDS, vain=vain)[0])
+    row = max(
+        (number for number, said in enumerate(text.splitlines(), 1) if line and said.strip() == line),
+        default=0,
+    )
+    told = {(*(end.does or ()), end.vain) for end in left if end.topic == "/robot/status"}
+    assert told <= {("publishes", "")} if not line else told == {(f"status.py:{row}",)}

@@ -95,10 +95,15 @@ def ends_left(
         if finding.never:
             places += finding.never
             left = [
-                was if replace(was, vain="") == now else replace(now, vain=finding.place)
+                replace(now, vain=finding.place if _does_less(now, was) else was.vain)
                 for was, now in zip(left, without(places), strict=True)
             ]
     return left if left != [*ends] else []
+
+
+def _does_less(end: WrittenEnd, whole: WrittenEnd) -> bool:
+    """Return whether less is done with an end than with the same one in more code."""
+    return not ({*(whole.does or ())} <= {*(end.does or ())} and {*end.never} <= {*whole.never})
 
 
 def ends_elsewhere(
