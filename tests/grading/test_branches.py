@@ -52,7 +52,7 @@ BRANCHED = """
 
 def told(methods: str, *findings: Finding) -> list[str]:
     source = PythonSource("p.taker", "taker.py", NODE.format(methods))
-    return branches([source], [*running([source], {"main"})], findings).get("stop", [])
+    return branches([source], [*running([source], {"main"})], ["start", "stop"], findings).get("stop", [])
 
 
 @pytest.mark.parametrize(
@@ -61,6 +61,7 @@ def told(methods: str, *findings: Finding) -> list[str]:
         ("pass", "self.gone = True", "pass", ["mute"]),
         ("pass", "self.get_logger().info('Halt')", "pass", []),
         ("pass", "self.get_logger().debug('Halt')", "pass", ["mute"]),
+        ("self.get_logger().set_level(10)", "self.get_logger().debug('Halt')", "pass", []),
         ("pass", "print('halt')", "pass", []),
         ("self.get_logger().info(msg.data)", "self.gone = True", "pass", []),
         ("pass", "self.halt()", "self.get_logger().info('Halt')", []),

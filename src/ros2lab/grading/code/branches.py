@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import ast
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable
 
 from ros2lab.diagnose.finding import Finding, fails_there
 from ros2lab.diagnose.sources.node_source import LOG_METHODS
@@ -26,13 +26,14 @@ _Branch = tuple[PythonSource, ast.If | ast.match_case]
 
 
 def branches(
-    sources: Collection[PythonSource], code: Code, findings: Iterable[Finding] = ()
+    sources: Collection[PythonSource], code: Code, words: Collection[str], findings: Iterable[Finding] = ()
 ) -> dict[str, list[str]]:
-    """Return by text what the branch that it opens plainly is; nothing of those that are neither.
+    """Return by word what the branch that it opens plainly is; nothing of those that are neither.
 
     Args:
         sources: the files.
         code: the code that runs.
+        words: the words.
         findings: what `diagnose` finds in the files.
     """
     flow, failing = Flow(sources, code), {finding.place for finding in findings if fails_there(finding)}
@@ -44,11 +45,11 @@ def branches(
             for text in compared([node]):
                 unknown |= set() if branch else {text}
                 opened[text] += [(source, branch)] if branch else []
-    is_handed_on = any(_is_said_elsewhere(flow, node) for node in flow.code)
+    around = _Around(flow)
     found = defaultdict[str, list[str]](list)
-    for text in opened.keys() - unknown:
+    for text in {*words} & opened.keys() - unknown:
         others = {node for other, found in opened.items() if other != text for node in _inside(found)}
-        if not is_handed_on and not _says(flow, opened[text], others - _inside(opened[text])):
+        if not around.says(opened[text], others - _inside(opened[text])):
             found[text].append(MUTE)
         if all(_leaves(flow, source, branch, failing) for source, branch in opened[text]):
             found[text].append(LAST)
@@ -70,55 +71,61 @@ def _inside(opened: Iterable[_Branch]) -> set[ast.AST]:
     return {node for _, branch in opened for part in branch.body for node in walk(part)}
 
 
-def _says(flow: Flow, opened: Iterable[_Branch], others: Collection[ast.AST]) -> bool:
-    """Return whether anything that comes with a text says something: its branch, what is around it, what these lead to.
+class _Around:
+    """What is around the branches of some code, and what they lead to."""
 
-    Args:
-        flow: the code.
-        opened: the branches of the text.
-        others: what is done with other texts alone.
-    """
-    left = {*others}
-    for _, branch in opened:
-        orelse = branch.orelse if isinstance(branch, ast.If) else ()
-        left.update(node for part in orelse for node in walk(part))
-    waiting = [flow.above(branch, *_FUNCTIONS) for _, branch in opened]
-    done = set[ast.AST | None]()
-    while waiting:
-        function = waiting.pop()
-        if function is None:
-            return True  # what is around it is not known
-        if function in done:
-            continue
-        done.add(function)
-        for node in {*walk(function)} - left:
-            if isinstance(node, ast.Call) and name_read(node.func) in _SAYING:
-                return True
-            waiting += _led_to(flow, node)
-        waiting += _callers(flow, function)
-    return False
+    def __init__(self, flow: Flow) -> None:
+        self._flow = flow
+        self._readers = defaultdict[str, set[ast.AST | None]](
+            set
+        )  # the functions that read a name, and that call it
+        self._callers = defaultdict[str, set[ast.AST | None]](set)
+        self._is_handed_on = any(_is_said_elsewhere(flow, node) for node in flow.code)
+        for node in flow.code:
+            if name := name_read(node):
+                function = flow.above(node, *_FUNCTIONS)
+                self._readers[name].add(function)
+                above = flow.parents.get(node)
+                if isinstance(above, ast.Call) and above.func is node:
+                    self._callers[name].add(function)
 
+    def says(self, opened: Iterable[_Branch], others: Collection[ast.AST]) -> bool:
+        """Return whether anything that comes with a text may say something: its branch, and what is around it.
 
-def _led_to(flow: Flow, node: ast.AST) -> Iterator[ast.AST]:
-    """Yield the functions that a node names, and those that read the attribute that it sets."""
-    yield from flow.named.get(name_read(node), ())
-    if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
-        reading = (inner for inner in flow.code if name_read(inner) == node.attr)
-        yield from filter(None, (flow.above(inner, *_FUNCTIONS) for inner in reading))
-
-
-def _callers(flow: Flow, function: ast.AST) -> Iterator[ast.AST]:
-    for node in flow.code:
-        if isinstance(node, ast.Call) and name_read(node.func) == getattr(function, "name", ""):
-            yield from filter(None, [flow.above(node, *_FUNCTIONS)])
+        Args:
+            opened: the branches of the text.
+            others: what is done with other texts alone.
+        """
+        left = {*others}
+        for _, branch in opened:
+            orelse = branch.orelse if isinstance(branch, ast.If) else ()
+            left.update(node for part in orelse for node in walk(part))
+        waiting = [self._flow.above(branch, *_FUNCTIONS) for _, branch in opened]
+        done = set[ast.AST]()
+        while waiting and not self._is_handed_on:
+            function = waiting.pop()
+            if function is None:
+                return True  # what is around it is not known
+            if function in done:
+                continue
+            done.add(function)
+            for node in {*walk(function)} - left:
+                if isinstance(node, ast.Call) and name_read(node.func) in _SAYING:
+                    return True
+                waiting += self._flow.named.get(name_read(node), ())
+                if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+                    waiting += self._readers[node.attr] - {None}
+            waiting += self._callers[getattr(function, "name", "")] - {None}
+        return self._is_handed_on
 
 
 def _is_said_elsewhere(flow: Flow, node: ast.AST) -> bool:
-    """Return whether a node hands on what logs, or decorates a function, so that other code may log."""
+    """Return whether a node hands on what logs, sets what is shown, or decorates a function, so that other code may log."""
     above = flow.parents.get(node)
     is_called = isinstance(above, ast.Call) and above.func is node
     is_decorated = isinstance(node, _FUNCTIONS) and bool(node.decorator_list)
-    return is_decorated or (name_read(node) in {*_SAYING, "set_level"} and not is_called)
+    name = name_read(node)
+    return is_decorated or name == "set_level" or (name in _SAYING and not is_called)
 
 
 def _leaves(

@@ -129,6 +129,7 @@ class _PackageReader:
     ) -> None:
         assert submission.package is not None
         self.root, self.submission, self.assignment, self.paths = root, submission, assignment, paths
+        self.words = assignment.commanded.commands if assignment.commanded else ()
         self.package = Package(root / submission.package.folder, root)
         self.graded = [self.package, *(Package(root / other.folder, root) for other in submission.also)]
         beside = [other for other in launching(root, submission) if other not in submission.also]
@@ -173,7 +174,7 @@ class _PackageReader:
             "handlers": lambda: _handlers(_of_nodes(self.sources), self.code),
             "compared": lambda: compared(node for _, node in self.mended_code),
             "depended_on": lambda: depended_on(self.mended, self.mended_code),
-            "branches": lambda: branches(self.mended, self.mended_code, self.findings),
+            "branches": lambda: branches(self.mended, self.mended_code, self.words, self.findings),
             "idle": lambda: idle(self.sources, self.code),
             "ends": lambda: self.ends[0],
             "ends_elsewhere": lambda: ends_elsewhere(
@@ -238,8 +239,7 @@ class _PackageReader:
         return _findings(self.root, self.submission, self.graded)
 
     def _ends_in(self, sources: Sequence[PythonSource], vain: Collection[str] = ()) -> _Ends:
-        words = self.assignment.commanded.commands if self.assignment.commanded else ()
-        return written_ends(sources, self.entrances, words, self.messages, vain)
+        return written_ends(sources, self.entrances, self.words, self.messages, vain)
 
     @cached_property
     def _tests(self) -> tuple[dict[str, int], dict[str, str]]:
@@ -268,7 +268,7 @@ def _loose(
         "handlers": lambda: _handlers(loose, [*running(loose)]),
         "compared": lambda: compared(node for _, node in running(whole())),
         "depended_on": lambda: depended_on(whole(), [*running(whole())]),
-        "branches": lambda: branches(whole(), [*running(whole())], findings()),
+        "branches": lambda: branches(whole(), [*running(whole())], words, findings()),
         "ends": ends,
         "ends_left": lambda: ends_left(
             ends(), findings(), lambda vain: written_ends(whole(), words=words, vain=vain)[0]
