@@ -16,6 +16,7 @@ from ros2lab.diagnose.printed.ignored import without_ignored
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
 from ros2lab.grading.sandbox.box import Box
 from ros2lab.grading.sandbox.neighbours import Neighbours
+from ros2lab.grading.senses import seen as seen_of
 from ros2lab.grading.watching.keyboard import Keyboard
 from ros2lab.grading.watching.shares import shared_out
 
@@ -358,7 +359,7 @@ class Job:
 
     def _log(self, lines: Sequence[Sequence[str]], mark: int, names: Sequence[str]) -> list[list[str]]:
         """Return log lines, and other lines that programs printed before a mark."""
-        known = {(level, name, text) for level, name, whole in lines for text in whole.splitlines()}
+        known = {(level, name, seen_of(text)) for level, name, whole in lines for text in whole.splitlines()}
         log = [[level, text[:LINE]] for level, _, text in lines]
         log += [["PRINT", line] for line in self._printed(mark, names) if not _is_known(line, known)]
         if len(log) > LINES:  # repeated lines leave room for the rest
@@ -392,7 +393,8 @@ def _whole_lines(output: str, begin: int, end: int) -> list[str]:
 def _is_known(line: str, known: set[tuple[str, str, str]]) -> bool:
     """Return whether a printed line is a log line that was received."""
     match = _LOG_LINE.search(line)  # what a program asks at a keyboard may stand before it
-    return (match.groups() if match else ("", "", line)) in known or any(line == text for *_, text in known)
+    level, name, text = match.groups() if match else ("", "", line)
+    return (level, name, seen_of(text)) in known or any(seen_of(line) == said for *_, said in known)
 
 
 def _heard(topics: dict[str, Any]) -> dict[str, Heard]:
