@@ -419,6 +419,11 @@ def in_evidence(findings: Iterable[Finding]) -> list[list[str]]:
     return [[finding.code, finding.cause, finding.place, finding.fix, *finding.about] for finding in findings]
 
 
+def of_evidence(told: Iterable[Sequence[str]]) -> list[Finding]:
+    """Return findings that have the form of the evidence."""
+    return [Finding(code, cause, place, fix, tuple(about)) for code, cause, place, fix, *about in told]
+
+
 def _declared(package: Package) -> dict[str, bool | float | str | None]:
     """Return the parameters that a package's nodes declare, as far as they are known."""
     try:

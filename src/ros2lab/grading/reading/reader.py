@@ -19,7 +19,6 @@ from typing import Any
 
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose import of_text
-from ros2lab.diagnose.finding import Finding
 from ros2lab.grading.evidence_json import plain, restored, typed
 from ros2lab.grading.reading import files
 from ros2lab.grading.reading.build_plan import WORKSPACE, Plan, plan_for, plan_for_files
@@ -62,7 +61,7 @@ def said(root: Path, asked: Mapping[str, Any]) -> Answers:
     folder = submission.package.folder if submission.package else ""
     texts = [as_written(text, root, folder) for text in asked["texts"]]
     found = files.diagnosed(lambda: [told for text in texts for told in of_text(text, root, loads=False)])
-    every = [*found, *(Finding(*told[:4], tuple(told[4:])) for told in asked["findings"])]
+    every = [*found, *files.of_evidence(asked["findings"])]
     yield "findings", files.in_evidence(every)
     if found and submission.package:
         assignment = Assignment.of_plain(asked["assignment"])
