@@ -17,10 +17,8 @@ from typing import Any
 
 from ros2lab import assignments
 from ros2lab.assignments import Assignment
-from ros2lab.diagnose import net
 from ros2lab.diagnose.code.syntax_repairs import mended
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.node_source import NodeSources
@@ -35,6 +33,7 @@ from ros2lab.grading.code.vain_handlers import VainHandlers
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
 from ros2lab.grading.reading.corrected import all_corrected
 from ros2lab.grading.reading.described import described
+from ros2lab.grading.reading.diagnosed import diagnosed, findings_of, in_evidence
 from ros2lab.grading.reading.documents import foreign_names, named_in, readmes, recordings, unrendered
 from ros2lab.grading.reading.graded_package import Package, has_code
 from ros2lab.grading.reading.launch_files import (
@@ -55,7 +54,6 @@ from ros2lab.grading.reading.written_ends import ends_elsewhere, ends_left, writ
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.handlers import Handlers
 
-MOST_FINDINGS = 50
 MOST_DECLARED = 50  # parameters
 _Ends = tuple[list[WrittenEnd], list[WrittenEnd]]
 
@@ -236,7 +234,7 @@ class _PackageReader:
 
     @cached_property
     def findings(self) -> list[Finding]:
-        return _findings(self.root, self.submission, self.graded)
+        return findings_of(self.root, self.submission, self.graded)
 
     def _ends_in(self, sources: Sequence[PythonSource], vain: Collection[str] = ()) -> _Ends:
         return written_ends(sources, self.entrances, self.words, self.messages, vain)
@@ -403,27 +401,6 @@ def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield f"{prefix}{key}", str(inner)
 
 
-# --- diagnosis --------------------------------------------------------------------------------------------
-
-
-def diagnosed(find: Callable[[], Iterable[Finding]]) -> list[Finding]:
-    """Return the first findings, without what could not be judged: it costs nothing."""
-    try:
-        return [finding for finding in find() if not isinstance(finding, net.Unjudged)][:MOST_FINDINGS]
-    except RecursionError:
-        return []
-
-
-def in_evidence(findings: Iterable[Finding]) -> list[list[str]]:
-    """Return findings in the form of the evidence."""
-    return [[finding.code, finding.cause, finding.place, finding.fix, *finding.about] for finding in findings]
-
-
-def of_evidence(told: Iterable[Sequence[str]]) -> list[Finding]:
-    """Return findings that have the form of the evidence."""
-    return [Finding(code, cause, place, fix, tuple(about)) for code, cause, place, fix, *about in told]
-
-
 def _declared(package: Package) -> dict[str, bool | float | str | None]:
     """Return the parameters that a package's nodes declare, as far as they are known."""
     try:
@@ -434,32 +411,3 @@ def _declared(package: Package) -> dict[str, bool | float | str | None]:
         name: value if isinstance(value, (bool, int, float, str)) else None for name, value in found.items()
     }
     return dict(itertools.islice(plain.items(), MOST_DECLARED))
-
-
-def _findings(root: Path, submission: Submission, graded: Sequence[Package]) -> list[Finding]:
-    """Return what `diagnose` finds in the files of the graded packages, the assignment's first."""
-    look = Look(graded[0].folder)
-    look.packages = [
-        *graded,
-        *(Package(root / found.folder, root) for found in submission.packages if found.name),
-    ]
-    look.packages = list({package.folder: package for package in reversed(look.packages)}.values())[::-1]
-    # A prefix is empty for a package that was handed in alone.
-    prefixes = tuple(package.shown("setup.py").removesuffix("setup.py") for package in graded)
-    # Files that setup.py does not lead to.
-    strays = [
-        source
-        for package in graded
-        if not any(map(has_code, package.sources.values()))
-        for source in package.own_sources
-    ]
-    return diagnosed(
-        lambda: [
-            *(
-                finding
-                for finding in look.findings
-                if not finding.place or finding.place.startswith(prefixes)
-            ),
-            *(finding for source in strays for finding in text_faults(source)),
-        ]
-    )

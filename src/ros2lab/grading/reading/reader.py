@@ -22,6 +22,7 @@ from ros2lab.diagnose import of_text
 from ros2lab.grading.evidence_json import plain, restored, typed
 from ros2lab.grading.reading import files
 from ros2lab.grading.reading.build_plan import WORKSPACE, Plan, plan_for, plan_for_files
+from ros2lab.grading.reading.diagnosed import diagnosed, in_evidence, of_evidence
 from ros2lab.grading.reading.unread import FACT, told
 from ros2lab.grading.receiving.submission import Received, Submission, found_in
 from ros2lab.grading.sandbox.worlds import FILES
@@ -60,9 +61,9 @@ def said(root: Path, asked: Mapping[str, Any]) -> Answers:
     submission = typed(asked["submission"], Submission, "submission")
     folder = submission.package.folder if submission.package else ""
     texts = [as_written(text, root, folder) for text in asked["texts"]]
-    found = files.diagnosed(lambda: [told for text in texts for told in of_text(text, root, loads=False)])
-    every = [*found, *files.of_evidence(asked["findings"])]
-    yield "findings", files.in_evidence(every)
+    found = diagnosed(lambda: [told for text in texts for told in of_text(text, root, loads=False)])
+    every = [*found, *of_evidence(asked["findings"])]
+    yield "findings", in_evidence(every)
     if found and submission.package:
         assignment = Assignment.of_plain(asked["assignment"])
         yield "ends_meant", files.ends_meant(root, submission, assignment, every)
