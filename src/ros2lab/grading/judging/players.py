@@ -114,13 +114,6 @@ class Case:
             return self._is_unread(modules)
         return not ends or any(may_end(end, part) for end in ends)
 
-    def makes(self, program: str, part: Part) -> bool:
-        """Return whether a program's modules make an end on a part's topic, or nearly that one, or may do so."""
-        executable = self.executables.get(program)
-        modules = {*executable.modules, executable.stem} if executable else set[str]()
-        ends = [end for end in self.evidence.files.ends if end.module in modules and may_end(end, part)]
-        return any(end.topic in ("", part.topic) or is_near_topic(end.topic, part.topic) for end in ends)
-
     def is_written(self, part: Part) -> bool:
         """Return whether the code may make a part's end, as far as reading tells."""
         return part.end == "service" or any(may_end(end, part) for end in self.evidence.files.ends)

@@ -6,11 +6,12 @@ import itertools
 from collections.abc import Iterator
 
 from ros2lab.assignments import Part
+from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Run
 from ros2lab.grading.judging.by_type import owners_of
 from ros2lab.grading.judging.excuses import unused
 from ros2lab.grading.judging.player import PLAIN_SETTINGS, STAND_IN, Player, is_for_want, of_one_node, stamped
-from ros2lab.grading.judging.players import Case
+from ros2lab.grading.judging.players import Case, may_end
 from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown, tells_error
 from ros2lab.grading.sandbox.keeper import is_limit
 
@@ -248,7 +249,7 @@ def _lost(case: Case, part: Part) -> Iterator[Answer]:
         if run.setting == "alone" and not any(played is run for played in playing)
         for name, end in run.ended.items()
         if not is_for_want(end)
-        if name not in run.done or tells_error(end) or case.makes(name, part)
+        if name not in run.done or tells_error(end) or _makes(case, name, part)
     }
     started = {one.stem for one in case.executables.values() if one.command} - {""}  # also by another way
     dead = [n for n, one in case.executables.items() if not one.command and one.stem not in started]
@@ -263,6 +264,14 @@ def _lost(case: Case, part: Part) -> Iterator[Answer]:
         else:
             why = f": {place} cannot be started ({shown(case.executables[name].fault, 120).rstrip('.')})"
             yield Answer("missing", {"why": why}, ("build.executables",), place)
+
+
+def _makes(case: Case, program: str, part: Part) -> bool:
+    """Return whether a program's modules make an end on a part's topic, or nearly that one, or may do so."""
+    executable = case.executables.get(program)
+    modules = {*executable.modules, executable.stem} if executable else set[str]()
+    ends = [end for end in case.evidence.files.ends if end.module in modules and may_end(end, part)]
+    return any(end.topic in ("", part.topic) or is_near_topic(end.topic, part.topic) for end in ends)
 
 
 def _turned(case: Case, part: Part) -> Iterator[Answer]:
