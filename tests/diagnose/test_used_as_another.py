@@ -8,6 +8,8 @@ import pytest
 
 from ros2lab.diagnose import of_text
 from ros2lab.diagnose.causes.python_says import of_error
+from ros2lab.diagnose.checking.later_results import of_future
+from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources.python_source import read_source
 
@@ -161,3 +163,8 @@ def test_a_future_is_not_yet_what_was_asked_for(
     found = of_text(said, tmp_path)[0]
     fix = fix.replace("LINE", str(spot.line - body.count("\n")))
     assert (found.code, found.fix[: len(fix)]) == ("attribute-missing", fix)
+
+
+def test_what_a_node_has_is_not_asked_of_a_result(tmp_path: Path) -> None:
+    spot = spot_of(tmp_path, "run", "msg.get_logger().info('done')")
+    assert of_future("Future", "get_logger", spot, Look(tmp_path)) is None

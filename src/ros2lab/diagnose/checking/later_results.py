@@ -6,12 +6,16 @@ import ast
 
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.sources import interfaces
 
 
 def of_future(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str] | None:
-    """Return cause and fix of a member that a Future lacks and that its result has; None for any other object."""
-    held = spot.holds(name)[:1]
-    if owner.partition("[")[0].rpartition(".")[2] != "Future" or not held:
+    """Return cause and fix of a member that a Future lacks and that its result has; None for any other object or member.
+
+    What every node has, such as get_logger, is asked of the wrong object.
+    """
+    held, is_of_node = spot.holds(name)[:1], name in interfaces.node_members()
+    if owner.partition("[")[0].rpartition(".")[2] != "Future" or not held or is_of_node:
         return None
     text = held[0]
     made = [value for value in spot.assigned(text) if isinstance(value, ast.Call)]
