@@ -397,7 +397,7 @@ def test_it():
 
 
 OF_ONES_OWN = [
-    ("assert Counter().increment() == 1", "test/test_it.py:6", "Counter offers, for example: "),
+    ("assert Counter().increment() == 1", "test/test_it.py:6", "remove increment here, or define it in Counter"),
     ("assert Counter.add() == 1", "test/test_it.py:6", "write `assert Counter().add() == 1`"),
     ("assert Counter(2).add() == 2", "test/test_it.py:6", "fix Counter(2).add() if 2 is right; otherwise write 3 here"),
     ("CLASS()", "test/test_it.py:6", "write rclpy.init() above this line"),

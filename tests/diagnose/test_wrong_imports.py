@@ -33,7 +33,7 @@ def found(text: str, *, is_sure: bool = False, **own: set[str]) -> list[Finding]
         ("import rclpy.executor\nX = rclpy.executor.Executor\n", "write `import rclpy.executors`, and rclpy.executors instead of rclpy.executor on line 2"),
         ("from rclpy import node\nclass A(node):\n    pass\n", "write `from rclpy.node import Node`, and Node instead of node where it is used"),
         ("from std_msgs.msg import Int32, Int33\n", "write `from std_msgs.msg import Int32`: nothing here uses Int33"),
-        ("from std_msgs.msg import Int32\nfrom std_msgs.msg import Int33\nI = Int33()\n", "write the name of what was meant"),
+        ("from std_msgs.msg import Int32\nfrom std_msgs.msg import Int33\nI = Int33()\n", "remove Int33 here, with what uses it on line 3, or write what std_msgs.msg has for it"),
         ("from rclpy.qos import QoSProfile, QoSProfil\nQ = QoSProfil(depth=1)\n", "write `from rclpy.qos import QoSProfile`, and QoSProfile instead of QoSProfil on line 2"),
         (f"{LAUNCH}from launch_ros import Node\n", "write `from launch_ros.actions import Node`"),
         (f"{LAUNCH}from launch.substitutions import Node\n", "write `from launch_ros.actions import Node`"),

@@ -10,12 +10,15 @@ import sys
 from collections.abc import Sequence
 
 from ros2lab.diagnose.checking.checked_copies import first_that_stands
+from ros2lab.diagnose.finding import in_a_row
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.interfaces import field_kind
 from ros2lab.diagnose.sources.spelling import may_mean, nearest, nothing_like
 from ros2lab.diagnose.sources.syntax_parts import calls_in
+
+_MOST_OFFERED = 6  # members of a class that are told
 
 
 def members(owner: str, look: Look | None) -> set[str]:
@@ -71,7 +74,9 @@ def without_like(name: str, owner: str, called: str, look: Look, spot: Spot) -> 
     files = [source for package in look.packages for source in look.sources(package).sources.values()]
     own = {inner for file in (*files, spot.file) for inner in (file.name.rpartition(".")[2], *file.classes)}
     cause, is_own = f"{called} has no {name}", short in own
-    if not is_own and (owner.partition(".")[0] in interfaces.PACKAGES or _homes(short)):
+    if is_own and 0 < len(offers := members(short, look)) <= _MOST_OFFERED:
+        cause += f"; it has {in_a_row(sorted(offers))}"
+    elif not is_own and (owner.partition(".")[0] in interfaces.PACKAGES or _homes(short)):
         has = interfaces.methods_of(short)
         cause += f" in ROS 2 Jazzy{f'; it has {has}' if has else ''}"
     return f"{cause}.", nothing_like(name, called, is_own=is_own)
