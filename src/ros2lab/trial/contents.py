@@ -147,17 +147,22 @@ def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Findin
             )
 
 
-def numbers_of(value: Any, name: str = "") -> Iterator[tuple[str, float]]:
+def numbers_of(value: Any) -> Iterator[tuple[str, float]]:
     """Yield the numbers of a message with their names, such as `linear.x`; headers are left out."""
+    yield from ((name, float(leaf)) for name, leaf in leaves_of(value) if isinstance(leaf, (int, float)))
+
+
+def leaves_of(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the known values of a message with their names; headers are left out."""
     if isinstance(value, dict):
         for key, inner in value.items():
             if key != "header":
-                yield from numbers_of(inner, f"{name}.{key}".lstrip("."))
+                yield from leaves_of(inner, f"{name}.{key}".lstrip("."))
     elif isinstance(value, list):
         for number, inner in enumerate(value):
-            yield from numbers_of(inner, f"{name}[{number}]")
-    elif isinstance(value, (int, float)):
-        yield name, float(value)
+            yield from leaves_of(inner, f"{name}[{number}]")
+    elif value is not None:
+        yield name, value
 
 
 def has_text(value: Any) -> bool:

@@ -30,19 +30,20 @@ from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.domain_lease import leased
 from ros2lab.grading.code.compared import compared
 from ros2lab.grading.code.running import running
-from ros2lab.grading.evidence import Run
+from ros2lab.grading.evidence import GIVEN, Run
 from ros2lab.grading.sandbox.box import Box, Limits
 from ros2lab.grading.sandbox.open_world import OpenWorld
 from ros2lab.grading.watching.job import Job, Program
 from ros2lab.grading.watching.observe import SHOWN, Observer
 from ros2lab.scratch import scratch_folder
 from ros2lab.trial.ends import UNKNOWN_WORD
+from ros2lab.trial.given import Contents, GivenRun, given_faults, open_contents, told_of_given
 from ros2lab.trial.held_back import with_reasons
 from ros2lab.trial.retold import without_retold
 from ros2lab.trial.seen import Seen, seen_faults
 from ros2lab.trial.story import told_of
 from ros2lab.trial.unmade import unmade_faults
-from ros2lab.trial.witnessed import environ_in, is_contradicted, witnessed
+from ros2lab.trial.witnessed import Witnessed, environ_in, is_contradicted, witnessed
 from ros2lab.workspace import Workspace
 
 MOST_PROGRAMS = 10
@@ -82,25 +83,17 @@ def try_out(
         WorkspaceError: if nothing was built, or its `setup.bash` cannot be sourced.
     """
     look = Look(root, loads=True)
-    assignment = _assignment_for(look)
     environment.remove_dead_shared_memory()
-    with scratch_folder() as notes, scratch_folder() as given, contextlib.ExitStack() as leases:
-        programs = [*itertools.islice(_programs(look, Workspace(root).overlay, given), MOST_PROGRAMS)]
+    with scratch_folder() as values:
+        programs = [*itertools.islice(_programs(look, Workspace(root).overlay, values), MOST_PROGRAMS)]
         if not programs:
             return Trial([], [_why_none(look)], read)
-        noting = environ_in(notes, look.root, programs[0].environ)
-        programs = [replace(program, environ={**program.environ, **noting}) for program in programs]
-        jobs = [_OwnJob(leases, [program]) for program in programs]
-        if len(programs) > 1:
-            jobs.append(_OwnJob(leases, programs, is_brief=True))
         show(f"running {', '.join(program.name for program in programs)}")
-        with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
-            runs = observer.watch(jobs)
-        noted = witnessed(notes, look)
+        seen, noted, given = _watched(look, programs)
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
-    seen = Seen(look, assignment, runs[: len(programs)], runs[len(programs) :], noted.unreached.record.errors)
     called = noted.called
     shown = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
+    shown += given_faults(seen, given) if given else ()
     read = [
         finding
         for finding in read
@@ -110,10 +103,49 @@ def try_out(
     found = [*noted.wrong, *without_retold(possible, read, look)]
     found, others, read = with_reasons(found, read, noted, seen)
     story = [
-        *(told_of(seen, run, called) for run in seen.alone),
+        *(" ".join((told_of(seen, run, called), *told_of_given(seen, run, given))) for run in seen.alone),
         *(f"{note.cause} ({note.place})" for note in others),
     ]
     return Trial(ranked(found), story, read)
+
+
+def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, GivenRun | None]:
+    """Run programs alone and together, and once more with what they may wait for, if nothing in the workspace brings it.
+
+    What was noted is of all runs, but the calls, and the conditions that were never true, are of those without anything
+    made up: a condition may be about what never comes.
+    """
+    assignment = _assignment_for(look)
+    with scratch_folder() as notes, scratch_folder() as more_notes, contextlib.ExitStack() as leases:
+        noting = _noting(programs, notes, look)
+        jobs = [_OwnJob(leases, [program]) for program in noting]
+        if len(programs) > 1:
+            jobs.append(_OwnJob(leases, noting, is_brief=True))
+        contents = open_contents(look, assignment.commanded.topic if assignment.commanded else "")
+        if contents:
+            jobs.append(_OwnJob(leases, _noting(programs, more_notes, look), contents=contents))
+        with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
+            runs = observer.watch(jobs)
+        noted = witnessed(notes, look)
+        for path in (more_notes / "noted").glob("*.json"):
+            path.rename(notes / "noted" / path.name)
+        ever = witnessed(notes, look)
+    usual = runs[: len(runs) - bool(contents)]
+    errors = (*noted.unreached.record.errors, *ever.unreached.record.errors)
+    seen = Seen(look, assignment, usual[: len(programs)], usual[len(programs) :], errors)
+    if not contents:
+        return seen, noted, None
+    later = {finding.place for finding in (*ever.never, *ever.steady)}
+    never, steady = ([one for one in found if one.place in later] for found in (noted.never, noted.steady))
+    fatal = jobs[-1].result.get("fatal", [])
+    noted = replace(ever, never=never, steady=steady, called=noted.called)
+    return seen, noted, GivenRun(runs[-1], fatal, ever.called)
+
+
+def _noting(programs: Sequence[Program], folder: Path, look: Look) -> list[Program]:
+    """Return the programs such that they note in a folder what their code does."""
+    noting = environ_in(folder, look.root, programs[0].environ)
+    return [replace(program, environ={**program.environ, **noting}) for program in programs]
 
 
 def _why_none(look: Look) -> str:
@@ -236,11 +268,21 @@ class _OwnJob(Job):
     """A job in a domain that nobody else on this machine has."""
 
     def __init__(
-        self, leases: contextlib.ExitStack, programs: Sequence[Program], *, is_brief: bool = False
+        self,
+        leases: contextlib.ExitStack,
+        programs: Sequence[Program],
+        *,
+        is_brief: bool = False,
+        contents: Contents | None = None,
     ) -> None:
         self._lease = leases.enter_context(contextlib.closing(socket.socket(socket.AF_UNIX)))
         self._own = leased(self._lease)
-        super().__init__(programs, "together" if len(programs) > 1 else "alone", is_brief=is_brief)
+        if contents is None:
+            super().__init__(programs, "together" if len(programs) > 1 else "alone", is_brief=is_brief)
+        else:
+            how = {"has_commands": False, "is_stepped": False, "is_brief": True, "is_given": True}
+            super().__init__(programs, GIVEN, **how)
+            self.plan["contents"] = contents
 
     def begin(self, number: int) -> None:
         super().begin(number)

@@ -115,17 +115,21 @@ def _missed(seen: Seen, run: Run, topic: str, called: Called) -> str:
         topic in seen.heard(other) for other in (*seen.alone, *seen.together)
     ):
         return ", on which nobody published"
-    callbacks = []
-    for end in seen.ends(topic, is_publisher=False):
-        function = end.sources.function_of(end.creation, end.creation.given("callback"))
-        callbacks.append((end.creation.source, function.lineno if function else 0))
-    ran: set[PythonSource] = {source for source, _ in called}
-    is_known = bool(callbacks) and all(line and source in ran for source, line in callbacks)
-    is_called = any(callback in called for callback in callbacks)
-    if is_known and not is_called:
+    if not may_be_called(seen, topic, called):
         return ", but received nothing there"
     return (
         ", where it was also sent texts, to see what it does"
         if topic == run.commanded and run.commands
         else ""
     )
+
+
+def may_be_called(seen: Seen, topic: str, called: Called) -> bool:
+    """Return whether a callback of a topic was called, or it is not known which function that is."""
+    callbacks = []
+    for end in seen.ends(topic, is_publisher=False):
+        function = end.sources.function_of(end.creation, end.creation.given("callback"))
+        callbacks.append((end.creation.source, function.lineno if function else 0))
+    ran: set[PythonSource] = {source for source, _ in called}
+    is_known = bool(callbacks) and all(line and source in ran for source, line in callbacks)
+    return not is_known or any(callback in called for callback in callbacks)

@@ -18,6 +18,7 @@ from ros2lab.grading.watching.given import Given
 from ros2lab.grading.watching.quiet import STEP, Quiet, silent_after, too_little
 from ros2lab.grading.watching.script import FLOOD, Script
 from ros2lab.grading.watching.service_calls import call_services
+from ros2lab.grading.watching.varied import Varied
 from ros2lab.grading.watching.watch import ANSWER_TIMEOUT, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
@@ -47,8 +48,8 @@ class Conductor:
             many a launch file has to start; 0 for other programs), `enclaves` (those that tell which program
             a node belongs to, if that is to be told), `is_stepped`, `has_commands`, `is_brief` (what the
             programs do alone is known), `is_again` (so is what they do on commands), `is_given` (they receive
-            what they may wait for), `has_flags` (the value of the flags in that), `has_keys` (whether
-            somebody types for them).
+            what they may wait for), `has_flags` (the value of the flags in that), `contents` (what their code
+            compares, by topic, if the contents are to be made up), `has_keys` (whether somebody types for them).
         say: sends a message to the grader.
     """
 
@@ -119,9 +120,7 @@ class Conductor:
         self._await_nodes(watch)
         self._say("met")
         if self.plan.get("is_given"):
-            topics = self._assignment.topics
-            kept = [*topics, *(part.topic for part in self._assignment.services)]
-            self._given = Given(watch, kept, flags=self.plan["has_flags"])
+            self._given = self._giving(watch)
         self._listen(watch)
         self._quiet = watch.part()
         self._mark()  # what was printed before belongs to the quiet part
@@ -145,8 +144,18 @@ class Conductor:
         if watch.is_stepped and unknown:
             raise NotStepped(too_little(unknown))
 
+    def _giving(self, watch: Watch) -> Given:
+        """Return what gives the programs what they may wait for: made-up contents, or default values."""
+        if self.plan.get("contents") is not None:
+            return Varied(watch, self.plan["contents"], self._calls, lambda: self._alive)
+        kept = [*self._assignment.topics, *(part.topic for part in self._assignment.services)]
+        return Given(watch, kept, flags=self.plan["has_flags"])
+
     def _listen(self, watch: Watch) -> None:
         """Record what is published before any command."""
+        if isinstance(self._given, Varied):
+            self._given.give_all()
+            return
         quiet = Quiet(watch, is_brief=self.plan["is_brief"], given=self._given)
         self._stalled = quiet.stalled
         if not watch.is_stepped:
@@ -389,8 +398,7 @@ class Conductor:
             commands=self._commands,
             services=ends.left(watch.services, gone),
             calls=self._calls,
-            given=sorted(self._given.names) if self._given else [],
-            tried=self._given.tried if self._given else [],
+            **(self._given.told() if self._given else {}),
             clocked=sorted(self._clocked),
             final=final,
             notes=sorted(watch.notes),

@@ -61,6 +61,14 @@ class Given:
         is_all = len(self.flags) == 1 or self._turn == self.turns - 1
         return sorted([*self.plain, *(self.flags if is_all and len(self.flags) <= MOST_FLAGS else ())])
 
+    def told(self) -> dict[str, Any]:
+        """Return what the grader is told of what was given."""
+        return {"given": sorted(self.names), "tried": self.tried}
+
+    def _with_own_stimuli(self) -> set[str]:
+        """Return the topics and services on which nothing is given."""
+        return {*self._kept, self._watch.command_topic()}
+
     def give(self, turn: int | None = None) -> None:
         """Publish on each topic without a publisher, call each service, and provide each that is called.
 
@@ -74,7 +82,7 @@ class Given:
 
     def _wanted(self) -> Iterator[tuple[Callable[[str, Any], None], str, str]]:
         """Yield what to do, each with the name of a topic or a service and its type."""
-        kept = {*self._kept, self._watch.command_topic()}
+        kept = self._with_own_stimuli()
         for topic, nodes in sorted(self._watch.subscribes.items())[:TOPICS]:
             if topic not in kept and topic not in self._watch.publishes:
                 yield self._publish, topic, next(iter(nodes.values()))[0]

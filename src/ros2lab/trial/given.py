@@ -1,0 +1,261 @@
+"""What programs do with messages, requests and responses of made-up contents, where nothing in the workspace provides any."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain, groupby
+from typing import TYPE_CHECKING, Any
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.nodes.service_faults import service_ends
+from ros2lab.diagnose.nodes.topic_faults import End, ends_of, word_sources
+from ros2lab.diagnose.printed.error_text import ErrorReport, read_error
+from ros2lab.diagnose.printed.spots import spot_of
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name
+from ros2lab.every_node import HIDDEN_TOPICS, OF_MANAGED
+from ros2lab.grading.code.compared import compared
+from ros2lab.grading.code.running import running
+from ros2lab.grading.evidence import Run, ServiceCall
+from ros2lab.observed_domain import TEXTS
+from ros2lab.trial.contents import leaves_of
+from ros2lab.trial.ends import explained
+from ros2lab.trial.story import may_be_called
+
+if TYPE_CHECKING:
+    from ros2lab.trial.seen import Seen
+    from ros2lab.trial.witnessed import Called
+
+MOST_WORDS, MOST_NUMBERS = 6, 6  # of those in the code that are given
+MOST_SHOWN, LONGEST = 3, 40  # fields and texts; letters
+LARGEST = 1e6
+# Errors of the code itself, whatever is received; a None, or a value out of the range of its field, may come of that.
+_OF_CODE = re.compile(
+    r"(NameError|ImportError|ModuleNotFoundError|AttributeError|TypeError|AssertionError: The '\w+' field must be of type)"
+    r"(?!.*NoneType)"
+)
+Contents = Mapping[str, Mapping[str, Sequence[Any]]]
+
+
+@dataclass(frozen=True)
+class GivenRun:
+    """A run of all programs in which they were given what they may wait for.
+
+    Attributes:
+        run: what was seen.
+        fatal: what was given just before a program ended, for each in `run.ended`, by topic or service.
+        called: the functions that were called in this run and all others.
+    """
+
+    run: Run
+    fatal: Sequence[Mapping[str, Any]]
+    called: Called
+
+
+def open_contents(look: Look, commanded: str) -> Contents:
+    """Return what the code compares, by the last part of the topic's name, for each end that nothing in a workspace serves.
+
+    Args:
+        look: the workspace.
+        commanded: the topic on which texts are sent in the other runs.
+    """
+    renamed = {end.place: name for node in look.launched.values() for end, _, name in node.ends}
+    every = [look.sources(package) for package in look.packages]
+    ends = [end for sources in every for end in ends_of(sources, unnamed=True)]
+    published = {_named(end, renamed) for end in ends if end.is_publisher}
+    found: dict[str, Mapping[str, Sequence[Any]]] = {
+        _named(end, renamed): _compared_by(end)
+        for end in ends
+        if not end.is_publisher
+        and _named(end, renamed) not in {*published, _last(commanded), *map(_last, HIDDEN_TOPICS)}
+    }
+    services = [end for sources in every for end in service_ends(sources) if not end.is_action]
+    offered, called = (
+        {_last(end.name) for end in services if end.is_server is side} for side in (True, False)
+    )
+    found |= {name: {} for name in offered ^ called}
+    if found:  # what is sent to the command topic in other runs is given here, too
+        found |= {
+            _last(commanded): _compared_by(end) for end in ends if _named(end, renamed) == _last(commanded)
+        }
+    return found
+
+
+def _last(name: str) -> str:
+    return name.rpartition("/")[2]
+
+
+def _named(end: End, renamed: Mapping[str, str]) -> str:
+    return _last(renamed.get(end.place) or end.topic)
+
+
+def _compared_by(end: End) -> Mapping[str, Sequence[Any]]:
+    """Return the words that the package of a subscription compares, and the numbers in its file."""
+    texts = compared(node for _, node in running(word_sources(end.sources)))
+    words = [text for text in texts if text and not text.startswith("__")]
+    return {"words": words[:MOST_WORDS], "numbers": _numbers(end.creation.source)[:MOST_NUMBERS]}
+
+
+def _numbers(source: PythonSource) -> list[float]:
+    """Return the numbers in a file, first those in comparisons; without queue depths, periods and the like."""
+    calls = [node for node in source.nodes if isinstance(node, ast.Call)]
+    given = {id(arg) for call in calls if last_name(call.func).startswith("create_") for arg in call.args}
+    compares = [node for node in source.nodes if isinstance(node, ast.Compare)]
+    nodes = chain(chain.from_iterable(map(ast.walk, compares)), source.nodes)
+    values = (node.value for node in nodes if isinstance(node, ast.Constant) and id(node) not in given)
+    numbers = (
+        number for number in values if isinstance(number, (int, float)) and not isinstance(number, bool)
+    )
+    return [*dict.fromkeys(number for number in numbers if abs(number) < LARGEST)]
+
+
+def given_faults(seen: Seen, given: GivenRun) -> Iterator[Finding]:
+    """Yield why programs ended that were given something, if their code fails whatever that is."""
+    for name in given.run.ended:
+        report = _ended_by(seen, given, name)
+        texts = [topic for topic in _just_given(given, name) if TEXTS in str(given.run.subscribes.get(topic))]
+        if report is not None and _OF_CODE.match(report.line) and not texts:  # a text may be read as anything
+            yield from (found for found in explained(seen, given.run, name) if found.code != "program-ends")
+
+
+def _just_given(given: GivenRun, name: str) -> Mapping[str, Any]:
+    """Return what was given just before a program ended, by topic or service."""
+    return dict(zip(given.run.ended, given.fatal, strict=False)).get(name, {})
+
+
+def _ended_by(seen: Seen, given: GivenRun, name: str) -> ErrorReport | None:
+    """Return the error that ended a program that was given something; None if it also ended without that."""
+    others = (*seen.alone, *seen.together)
+    report = read_error(given.run.ended.get(name) or "").report
+    return None if any(name in run.ended for run in others) else report
+
+
+def told_of_given(seen: Seen, run: Run, given: GivenRun | None) -> list[str]:
+    """Describe in sentences what a program did with what it was given; empty if it was given nothing.
+
+    Args:
+        seen: all other runs.
+        run: the run of this program alone.
+        given: the run in which it was given something; None if there is none.
+    """
+    if given is None:
+        return []
+    name, among, nodes, home = run.programs[0], given.run, {*run.nodes}, seen.main(run.programs[0])
+    topics = [topic for topic in among.given if not nodes.isdisjoint(among.subscribes.get(topic, ()))]
+    topics = [topic for topic in topics if may_be_called(seen, topic, given.called)]
+    what = [f"messages on {topic} ({_kind(among.subscribes[topic])})" for topic in topics]
+    ends = (end for package in seen.look.packages for end in service_ends(seen.look.sources(package)))
+    own = {f"/{end.name}": end.is_server for end in ends if end.creation.source.shown == home}
+    what += [f"responses on {service}" for service in among.given if own.get(service) is False]
+    calls = [call for call in among.calls if own.get(call.service)]
+    if not what and not calls:
+        return []
+    ended = [*_ended(seen, given, name, {*topics, *own})]
+    is_over = name in among.ended
+    mine = [topic for topic, by in among.publishes.items() if {*by} <= nodes]
+    silent = [
+        topic
+        for topic in mine
+        if topic not in {*seen.heard(run), *among.quiet} and not is_over and not topic.endswith(OF_MANAGED)
+    ]
+    did = [*filter(None, (_published(seen, run, among, topic) for topic in mine))]
+    did += [f"still published nothing on {topic}" for topic in silent]
+    did = did or ["went on"] * (bool(what) and not is_over)
+    when = f"Given made-up {' and '.join(what)}" if what else "Meanwhile"
+    told = [f"{when}, it {'; it '.join(did)}."] if did else []
+    return [*_answered(calls, is_over=is_over), *told, *ended]
+
+
+def _kind(nodes: Mapping[str, Sequence[str]]) -> str:
+    return next(iter(nodes.values()))[0].replace("/msg/", "/")
+
+
+def _answered(calls: Iterable[ServiceCall], *, is_over: bool) -> Iterator[str]:
+    """Say what services answered to requests that differ."""
+    for service, group in groupby(sorted(calls, key=lambda call: call.service), lambda call: call.service):
+        made = [*group]
+        texts = dict.fromkeys(
+            f"called{f' with {_shown(call.request)}' if call.request else ''}, {_response_of(call, is_over=is_over)}"
+            for call in made
+        )
+        leaves = [leaf for call in made for _, leaf in leaves_of(call.response)]
+        is_new = len(made) > 1 and bool(leaves) and not any(leaves)
+        yield f"{service}, {'; '.join(texts)}{', as a response is before anything is filled in' * is_new}."
+
+
+def _response_of(call: ServiceCall, *, is_over: bool) -> str:
+    if call.response is None:
+        return f"did not answer {'before the program ended' if is_over else f'within {call.seconds:.1f} s'}"
+    return f"answered {_shown(call.response)}"
+
+
+def _published(seen: Seen, run: Run, among: Run, topic: str) -> str:
+    """Say what was published on a topic; empty if nothing, or if that varied without anything given, too."""
+    before = [value for heard in seen.heard(run).get(topic, ()) for value in heard.values]
+    was, is_varied = _content(before)
+    if topic not in among.quiet or is_varied:
+        return ""
+    heard = among.quiet[topic]
+    text, _ = _content(heard.values)
+    as_before = " as before" if text == was else ""
+    return f"published {heard.count} message{'s' * (heard.count != 1)} on {topic}{as_before}{text}"
+
+
+def _content(values: Sequence[Any]) -> tuple[str, bool]:
+    """Describe what messages hold: what varies in them, else what is set in each; and whether anything varies."""
+    found: dict[str, dict[Any, None]] = {}
+    for name, leaf in chain.from_iterable(map(leaves_of, values)):
+        found.setdefault(name, {})[leaf] = None
+    varied = [_spread(name, [*leaves]) for name, leaves in found.items() if len(leaves) > 1]
+    if varied:
+        return f": {', '.join(varied[:MOST_SHOWN])}", True
+    held = {name: leaf for name, (leaf, *_) in found.items() if leaf}
+    each = "each of them " if len(values) > 1 else ""
+    if not found:
+        return "", False
+    return f", {each}with {_shown(held)}" if held else f", {each}zero, false or empty", False
+
+
+def _spread(name: str, leaves: Sequence[Any]) -> str:
+    if all(isinstance(leaf, (int, float)) and not isinstance(leaf, bool) for leaf in leaves):
+        return f"{name} from {min(leaves):.3g} to {max(leaves):.3g}"
+    more = " and others" * (len(leaves) > MOST_SHOWN)
+    return f"{name} {', '.join(map(_value, leaves[:MOST_SHOWN]))}{more}"
+
+
+def _shown(message: Any) -> str:
+    """Show the first fields of a message, a request or a response."""
+    leaves = [f"{name} = {_value(leaf)}" for name, leaf in leaves_of(message)]
+    return ", ".join(leaves[:MOST_SHOWN]) + ", ..." * (len(leaves) > MOST_SHOWN) or "without fields"
+
+
+def _value(leaf: Any) -> str:
+    if isinstance(leaf, bool) or not isinstance(leaf, (int, float)):
+        return repr(leaf)[:LONGEST]
+    return f"{leaf:.4g}"
+
+
+def _ended(seen: Seen, given: GivenRun, name: str, own: Collection[str]) -> Iterator[str]:
+    """Say with which error a program ended, and what of that which it was given its code reads there."""
+    report = _ended_by(seen, given, name)
+    if report is None:
+        return
+    spot = spot_of(report, seen.look)
+    last = _just_given(given, name)
+    leaves = [
+        (field, f"{field} = {_value(leaf)} on {topic}")
+        for topic in last
+        if topic in own
+        for field, leaf in leaves_of(last[topic])
+    ]
+    read = {getattr(node, "attr", "") for node in ast.walk(spot.function or ast.Module([], []))}
+    texts = [text for field, text in leaves if read.issuperset(re.findall(r"[a-z]\w*", field))] or [
+        text for _, text in leaves
+    ]
+    when = f" soon after {', '.join(texts[:MOST_SHOWN])}" if texts else ""
+    at = f" ({spot.place})" if spot.place else ""
+    hedge = "" if _OF_CODE.match(report.line) else "; that was made up, and may be what never comes"
+    yield f"It ended with {report.line!r}{at}{when}{hedge}."
