@@ -206,7 +206,7 @@ def test_real_nodes_are_given_what_they_wait_for(tmp_path: Path) -> None:
     ).write(tmp_path)
     build(root)
     trial = try_out(root)
-    assert [finding.code for finding in trial.findings] == ["message-field"]
+    assert [finding.code for finding in trial.findings] == ["message-field"], trial
     assert "velocity_publisher.py" in trial.findings[0].place
     adder, listener, driver = (
         next(line for line in trial.story if line.startswith(name))

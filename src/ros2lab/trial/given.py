@@ -116,7 +116,9 @@ def given_faults(seen: Seen, given: GivenRun) -> Iterator[Finding]:
     """Yield why programs ended that were given something, if their code fails whatever that is."""
     for name in given.run.ended:
         report = _ended_by(seen, given, name)
-        texts = [topic for topic in _just_given(given, name) if TEXTS in str(given.run.subscribes.get(topic))]
+        nodes = {node for run in seen.alone if run.programs[0] == name for node in run.nodes}
+        read = (given.run.subscribes.get(topic, {}) for topic in _just_given(given, name))
+        texts = [kinds for by in read for node, kinds in by.items() if node in nodes and TEXTS in kinds]
         if report is not None and _OF_CODE.match(report.line) and not texts:  # a text may be read as anything
             yield from (found for found in explained(seen, given.run, name) if found.code != "program-ends")
 

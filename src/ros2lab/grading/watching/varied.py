@@ -75,12 +75,14 @@ class Varied(Given):
     def _turns(self, end: float) -> None:
         watch = self._watch
         while self._number < TURNS and (self._number < LEAST_TURNS or time.monotonic() < end):
-            before, self._last = self._alive(), {}
+            before, nodes, self._last = self._alive(), len(watch.nodes()), {}
             self.give()
             self._number += 1
             if watch.is_answering:
                 watch.is_answering = watch.settle(watch.patience)
             watch.until(lambda: False, PAUSE)
+            if len(watch.nodes()) < nodes:  # before its program ends, so that nothing else is given meanwhile
+                watch.until(lambda: self._alive() < before, watch.patience)  # noqa: B023
             self.fatal += [self._last] * (before - self._alive())
             watch.check()
             watch.look_again()
