@@ -140,7 +140,7 @@ def told(
         ended=ends,
         calls=[*calls],
     )
-    given = GivenRun(among, [{"/number": {"data": 0}}] if ended else [], [], frozenset())
+    given = GivenRun(among, [{"/number": {"data": 0}}] if ended else [], frozenset())
     seen = Seen(Look(root), assignments.load(), [alone], [])
     return told_of_given(seen, alone, given), [found.code for found in given_faults(seen, given)]
 
