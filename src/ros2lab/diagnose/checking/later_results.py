@@ -7,6 +7,8 @@ import ast
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.python_source import given_to, last_name, own_nodes
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 
 def of_future(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str] | None:
@@ -19,8 +21,11 @@ def of_future(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str] 
         return None
     text = held[0]
     made = [value for value in spot.assigned(text) if isinstance(value, ast.Call)]
+    made = [call for call in made if call.lineno <= spot.line] or made
     made = made or [call for call in spot.calls if ast.unparse(call) == text]
-    if not made:
+    around = own_nodes(spot.function or spot.file.tree)
+    spins = [call for call in calls_in(around) if last_name(call.func) == "spin_until_future_complete"]
+    if not made or any(text == ast.unparse(given) for call in spins for given in given_to(call)):
         cause = (
             f"{text} is a Future, which only holds what came: that is its result(), and only this has {name}."
         )

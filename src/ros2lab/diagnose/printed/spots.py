@@ -11,7 +11,14 @@ from pathlib import Path
 from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorReport, Frame, own_frames
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, assigned_to, read_source, read_text
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    assigned_to,
+    own_nodes,
+    read_source,
+    read_text,
+)
 from ros2lab.diagnose.sources.spelling import with_article
 from ros2lab.diagnose.sources.static_value import expression
 
@@ -88,8 +95,10 @@ class Spot:
         return best
 
     def assigned(self, text: str) -> list[ast.expr]:
-        """Return the values that the file assigns to a name or an attribute such as `self.count`."""
-        return assigned_to(self.file.nodes, text)
+        """Return the values that the file assigns to a name or an attribute such as `self.count`; to a local name, its function's."""
+        function = self.function if text.isidentifier() else None
+        local = assigned_to(own_nodes(function), text) if function else []
+        return local or assigned_to(self.file.nodes, text)
 
     def holds(self, name: str) -> list[str]:
         """Return the expressions before `.name` in the line, the shortest first."""
