@@ -233,17 +233,19 @@ def remove_dead_shared_memory(folder: Path = SHARED_MEMORY) -> list[str]:
     """Remove the shared-memory files of Fast DDS whose process was killed; return their names.
 
     Each living owner holds a lock on its `_el` file. `fastdds shm clean` does the same, but also looks at
-    files that are being made at this moment, and takes a fifth of a second.
+    files that are being made at this moment, and takes a fifth of a second. It also leaves a segment whose maker was
+    killed before it was initialized, and for which everybody who opens it waits for ever.
     """
     removed = []
-    for lock in folder.glob("fastrtps_*_el"):
-        if not _is_dead(lock):
+    for path in folder.glob("fastrtps_*"):
+        is_lock = path.name.endswith("_el")
+        if not (_is_dead(path) if is_lock else _is_half_made(path)):
             continue
-        name = lock.name[: -len("_el")]
-        for path in (folder / name, folder / f"sem.{name}_mutex", lock):
+        name = path.name.removesuffix("_el")
+        for dead in (folder / name, folder / f"sem.{name}_mutex", folder / f"{name}_el"):
             with contextlib.suppress(OSError):
-                path.unlink()
-                removed.append(path.name)
+                dead.unlink()
+                removed.append(dead.name)
     return removed
 
 
@@ -328,14 +330,29 @@ def parse_environment(output: bytes) -> dict[str, str]:
 
 def _is_dead(lock: Path) -> bool:
     try:
-        # A younger one may be between its making and its locking.
-        if time.time() - lock.stat().st_mtime < 1.0:
+        if _is_young(lock):
             return False
         with lock.open("rb") as file:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:
         return False
     return True
+
+
+def _is_half_made(segment: Path) -> bool:
+    """Return whether a segment does not begin with the word that Boost.Interprocess writes when it is initialized."""
+    try:
+        if _is_young(segment):
+            return False
+        with segment.open("rb") as file:
+            return file.read(4) != (2).to_bytes(4, sys.byteorder)
+    except OSError:
+        return False
+
+
+def _is_young(path: Path) -> bool:
+    """Return whether a file may be between its making and its locking or initializing."""
+    return time.time() - path.stat().st_mtime < 1.0
 
 
 def _without_roots(environ: Mapping[str, str], roots: list[Path]) -> dict[str, str]:

@@ -157,25 +157,39 @@ def test_domains_are_safe_steady_and_differ() -> None:
 
 
 def test_only_shared_memory_of_the_dead_is_removed(tmp_path: Path) -> None:
-    """A locked file, a new one and a stranger's stay."""
-    old = time.time() - 60
-    for name in (
-        "fastrtps_dead",
-        "fastrtps_dead_el",
-        "sem.fastrtps_dead_mutex",
-        "fastrtps_alive_el",
-        "other_el",
+    """A locked file, a new one and a stranger's stay, and a port, which has no lock; not one that was never initialized."""
+    old, initialized = time.time() - 60, bytes((2, 0, 0, 0))
+    for name, content in (
+        ("fastrtps_dead", initialized),
+        ("fastrtps_dead_el", b""),
+        ("sem.fastrtps_dead_mutex", b""),
+        ("fastrtps_alive_el", b""),
+        ("fastrtps_port7411", initialized),
+        ("fastrtps_port7413", b""),
+        ("fastrtps_port7415", bytes((1, 0, 0, 0, 0))),
+        ("sem.fastrtps_port7415_mutex", b""),
+        ("other_el", b""),
     ):
-        (tmp_path / name).touch()
+        (tmp_path / name).write_bytes(content)
         os.utime(tmp_path / name, (old, old))
     (tmp_path / "fastrtps_new_el").touch()
+    (tmp_path / "fastrtps_new").touch()
     with (tmp_path / "fastrtps_alive_el").open() as alive:
         fcntl.flock(alive, fcntl.LOCK_EX)
         removed = environment.remove_dead_shared_memory(tmp_path)
-    assert sorted(removed) == ["fastrtps_dead", "fastrtps_dead_el", "sem.fastrtps_dead_mutex"]
+    assert sorted(removed) == [
+        "fastrtps_dead",
+        "fastrtps_dead_el",
+        "fastrtps_port7413",
+        "fastrtps_port7415",
+        "sem.fastrtps_dead_mutex",
+        "sem.fastrtps_port7415_mutex",
+    ]
     assert sorted(path.name for path in tmp_path.iterdir()) == [
         "fastrtps_alive_el",
+        "fastrtps_new",
         "fastrtps_new_el",
+        "fastrtps_port7411",
         "other_el",
     ]
 
