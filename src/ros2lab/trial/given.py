@@ -146,11 +146,10 @@ def told_of_given(seen: Seen, run: Run, given: GivenRun | None) -> list[str]:
     if given is None:
         return []
     name, among, nodes, home = run.programs[0], given.run, {*run.nodes}, seen.main(run.programs[0])
-    topics = [topic for topic in among.given if not nodes.isdisjoint(among.subscribes.get(topic, ()))]
-    topics = [topic for topic in topics if may_be_called(seen, topic, given.called)]
-    what = [f"messages on {topic} ({_kind(among.subscribes[topic])})" for topic in topics]
     ends = (end for package in seen.look.packages for end in service_ends(seen.look.sources(package)))
     own = {f"/{end.name}": end.is_server for end in ends if end.creation.source.shown == home}
+    topics = _taken(seen, given, nodes)
+    what = [f"messages on {topic} ({_kind(among.subscribes[topic])})" for topic in topics]
     what += [f"responses on {service}" for service in among.given if own.get(service) is False]
     calls = [call for call in among.calls if own.get(call.service)]
     if not what and not calls:
@@ -169,6 +168,13 @@ def told_of_given(seen: Seen, run: Run, given: GivenRun | None) -> list[str]:
     when = f"Given made-up {' and '.join(what)}" if what else "Meanwhile"
     told = [f"{when}, it {'; it '.join(did)}."] if did else []
     return [*_answered(calls, is_over=is_over), *told, *ended]
+
+
+def _taken(seen: Seen, given: GivenRun, nodes: Collection[str]) -> list[str]:
+    """Return the topics on which something was given to some nodes that may have taken it."""
+    among = given.run
+    topics = (topic for topic in among.given if not {*nodes}.isdisjoint(among.subscribes.get(topic, ())))
+    return [topic for topic in topics if may_be_called(seen, topic, given.called)]
 
 
 def _kind(nodes: Mapping[str, Sequence[str]]) -> str:

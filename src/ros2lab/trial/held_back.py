@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -39,17 +39,10 @@ def with_reasons(
     unreached, runs = noted.unreached, (*seen.alone, *seen.together)
     if any(how.get("killed") for run in runs for how in run.stopped.values()):
         return [*found, *(noted.never if found else ())], [], [*read]  # it could not write its notes
-    told, speaking = list[Finding](), {run.programs[0] for run in seen.alone if seen.heard(run)}
     causes = {finding.place for finding in read if keeps_from_working(finding)}
-    known = {finding.place for finding in read}
-    for finding in found:
-        reason = _of_publisher(finding, unreached) if finding.code == "publishes-nothing" else None
-        if reason is None:
-            told.append(finding)
-        elif causes.isdisjoint(reason.places) and not (reason.is_open and {*finding.about} <= speaking):
-            cause = f"{finding.cause.rstrip('.')}: {reason.text}."
-            told.append(replace(finding, cause=cause, place=reason.place, fix=reason.fix or finding.fix))
-            known |= reason.places
+    speaking = {run.programs[0] for run in seen.alone if seen.heard(run)}
+    told, places = _of_silent(found, unreached, causes, speaking)
+    known = places | {finding.place for finding in read}
     reasons = _notes(unreached)
     others = [(text, reason) for text, reason in reasons if reason.places.isdisjoint(known)][:MOST]
     notes = [Finding("never-passed", f"{text}.", reason.place) for text, reason in others]
@@ -57,6 +50,29 @@ def with_reasons(
     never, steady = ([one for one in ones if one.place not in known] for ones in (noted.never, noted.steady))
     read = [_completed(finding, [reason for _, reason in reasons], unreached) for finding in read]
     return [*told, *(never if told else ())], [*notes, *steady, *(never if not told else ())], read
+
+
+def _of_silent(
+    found: Sequence[Finding], unreached: Unreached, causes: Set[str], speaking: Set[str]
+) -> tuple[list[Finding], set[str]]:
+    """Return findings with the reasons of silent publishers, and the places that these reasons tell of.
+
+    Args:
+        found: the findings.
+        unreached: what was not reached.
+        causes: places whose fault is told already.
+        speaking: the programs that published something.
+    """
+    told, places = list[Finding](), set[str]()
+    for finding in found:
+        reason = _of_publisher(finding, unreached) if finding.code == "publishes-nothing" else None
+        if reason is None:
+            told.append(finding)
+        elif causes.isdisjoint(reason.places) and not (reason.is_open and {*finding.about} <= speaking):
+            cause = f"{finding.cause.rstrip('.')}: {reason.text}."
+            told.append(replace(finding, cause=cause, place=reason.place, fix=reason.fix or finding.fix))
+            places |= reason.places
+    return told, places
 
 
 def _completed(finding: Finding, reasons: Sequence[Reason], unreached: Unreached) -> Finding:

@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource, given_to, names
 from ros2lab.diagnose.sources.spelling import with_article
 
 _Several = ast.List | ast.Tuple
-_MOST = 20  # items that are tried one by one
+_MOST, _LONGEST = 20, 60  # items that are tried one by one; letters of each
 
 
 def of_named_item(message: str, spot: Spot) -> Finding | None:
@@ -46,37 +46,49 @@ def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> Find
         return None
     free = sorted(names_bound(own_nodes(spot.function or source.tree)) - names_read(source.nodes))
     alone = ["", *(f"reveal_type({ast.unparse(item)})" for item in value.elts), *free]
-    whole = "[{}]" if isinstance(value, ast.List) else "({},)"
-    edits = [Edit(value, whole.format(item) if item else whole[0] + whole[-1]) for item in alone]
-    least, *counts = [
-        (
-            sum(row.said.startswith(said.partition(": Expected")[0]) for row in rows),
-            "".join(kinds_in(rows)[:1]),
-        )
-        for rows in checked(source, [edit.of(source) for edit in edits])
-    ]
+    least, *counts = _objections(source, value, alone, said)
     bad = [n for n, (count, _) in enumerate(counts[: len(value.elts)]) if count > least[0]]
     if not bad:
         return None
     if len(bad) < len(value.elts) and (other := _told(source, value, bad[0])).fix:
         return other
     pythons = {*dir(builtins)} - {*keyword.kwlist, *source.names} - names_bound(source.nodes)
-    kinds = {ast.unparse(value.elts[n]): plain(counts[n][1]) for n in bad}
+    kinds = {_short(value.elts[n]): _kind(counts[n][1]) for n in bad}
     fitting = [name for name, (n, _) in zip(free, counts[len(value.elts) :], strict=True) if n <= least[0]]
-    told = [
-        f"`{t}` is {f'the {t} of Python itself' if t in pythons else k.removesuffix(', in brackets')}"
-        for t, k in kinds.items()
-    ]
+    told = [f"`{t}` is {f'the {t} of Python itself' if t in pythons else k}" for t, k in kinds.items()]
     names, (item, first) = " and ".join(kinds), next(iter(kinds.items()))
     fix = f"remove {names} from the list, or write what is meant instead"
     if len(kinds) == len(fitting) == 1:
         fix = f"write {fitting[0]} instead of {names}"
     elif first.startswith("the class"):
         fix = f"write {item}(...), with what it needs in the parentheses, instead of {item}"
-    elif first.startswith("the string"):
+    elif first == "a string":
         fix = f"remove {names} from the list; code that is to be left out is marked with # instead of quotes"
     cause = f"Not every item of this list is one that {function} takes: {in_a_row(told)}."
-    return Finding("argument-type", cause, spot.place, fix)
+    return Finding("argument-type", cause, source.at(value.elts[bad[0]]), fix)
+
+
+def _kind(said: str) -> str:
+    kind = plain(said).removesuffix(", in brackets")
+    return "a string" if kind.startswith("the string ") else kind
+
+
+def _short(item: ast.expr) -> str:
+    text = ast.unparse(item)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
+
+
+def _objections(
+    source: PythonSource, value: _Several, alone: Sequence[str], said: str
+) -> list[tuple[int, str]]:
+    """Return for a list with each of some items alone how often the type checker says the same of it, and the item's type."""
+    whole = "[{}]" if isinstance(value, ast.List) else "({},)"
+    edits = [Edit(value, whole.format(item) if item else whole[0] + whole[-1]) for item in alone]
+    like = said.partition(": Expected")[0]
+    return [
+        (sum(row.said.startswith(like) for row in rows), "".join(kinds_in(rows)[:1]))
+        for rows in checked(source, [edit.of(source) for edit in edits])
+    ]
 
 
 def _told(source: PythonSource, whole: _Several, index: int, said: str = "") -> Finding:

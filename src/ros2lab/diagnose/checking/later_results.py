@@ -20,17 +20,12 @@ def of_future(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str] 
     if owner.partition("[")[0].rpartition(".")[2] != "Future" or not held or is_of_node:
         return None
     text = held[0]
-    made = [value for value in spot.assigned(text) if isinstance(value, ast.Call)]
-    made = [call for call in made if call.lineno <= spot.line] or made
-    made = made or [call for call in spot.calls if ast.unparse(call) == text]
-    around = own_nodes(spot.function or spot.file.tree)
-    spins = [call for call in calls_in(around) if last_name(call.func) == "spin_until_future_complete"]
-    if not made or any(text == ast.unparse(given) for call in spins for given in given_to(call)):
+    call = _asking(text, spot)
+    if call is None:
         cause = (
             f"{text} is a Future, which only holds what came: that is its result(), and only this has {name}."
         )
         return cause, f"write `{text}.result().{name}` instead of `{text}.{name}`"
-    call = made[-1]
     asks, client = ast.unparse(call), getattr(call.func, "value", None)
     cause = f"`{asks}` returns at once with a Future: what it asks for comes later, and then is the Future's result(), which has {name}."
     if getattr(call.func, "attr", "") == "submit":
@@ -41,6 +36,17 @@ def of_future(owner: str, name: str, spot: Spot, look: Look) -> tuple[str, str] 
     node = ast.unparse(client.value) if isinstance(client, ast.Attribute) else node
     kept = f"{text} = " if text != asks else ""
     return cause, awaited(asks, node, kept, call.lineno, is_called_back=is_called_back)
+
+
+def _asking(text: str, spot: Spot) -> ast.Call | None:
+    """Return the call whose Future an expression of a line holds; None if it is not known, or waited for already."""
+    made = [value for value in spot.assigned(text) if isinstance(value, ast.Call)]
+    made = [call for call in made if call.lineno <= spot.line] or made
+    made = made or [call for call in spot.calls if ast.unparse(call) == text]
+    around = own_nodes(spot.function or spot.file.tree)
+    spins = [call for call in calls_in(around) if last_name(call.func) == "spin_until_future_complete"]
+    is_awaited = any(text == ast.unparse(given) for call in spins for given in given_to(call))
+    return made[-1] if made and not is_awaited else None
 
 
 def awaited(asks: str, node: str, kept: str, line: int, *, is_called_back: bool) -> str:
