@@ -14,11 +14,12 @@ from test_files import REFERENCE, Texts, right_package, write
 
 from ros2lab import assignments
 from ros2lab.diagnose.launching import launch_loaded
+from ros2lab.grading.evidence_json import plain
 from ros2lab.grading.reading import boxed, reader
 from ros2lab.grading.reading.boxed import Reading
 from ros2lab.grading.reading.unread import FACT, OF_CODE
 from ros2lab.grading.receiving.clean_copy import SubmissionError
-from ros2lab.grading.receiving.submission import copied
+from ros2lab.grading.receiving.submission import Submission, copied
 from ros2lab.grading.sandbox.worlds import World
 from ros2lab.grading.watching.observe import SHOWN
 
@@ -177,7 +178,12 @@ def test_no_launch_file_is_loaded_to_explain_an_error(monkeypatch: pytest.Monkey
     loaded: list[object] = []
     monkeypatch.setattr(launch_loaded, "_run", lambda paths, _packages: loaded.extend(paths) or "{}")
     said = "[ERROR] [launch]: Caught exception in launch (see debug for traceback): 'x'"
-    [(_, findings)] = reader.said(REFERENCE, {"folder": ".", "texts": [said]})
+    asked = {
+        "submission": plain(Submission("nothing", None, [], None, [], []), ""),
+        "texts": [said],
+        "findings": [],
+    }
+    [(_, findings)] = reader.said(REFERENCE, asked)
     assert findings
     assert loaded == []
 

@@ -58,7 +58,7 @@ def received(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Submission
 
 
 @pytest.mark.parametrize(
-    "name", ["described", "written_ends", "running", "manifest_facts", "_findings", "declared_in"]
+    "name", ["described", "written_ends", "running", "manifest_facts", "findings_of", "declared_in"]
 )
 def test_files_are_read_but_for_what_fails(
     name: str, monkeypatch: pytest.MonkeyPatch, received: tuple[Path, Submission, Files]

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from ros2lab.diagnose.code.syntax_repairs import as_meant
+from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
@@ -133,7 +134,7 @@ def test_what_is_said_to_be_written_instead_of_something_else_is_undone() -> Non
         (f"write `{new}` instead of `{old}`", True),
         (f"write `{new.replace('command', 'orders', 1)}` instead of `{old}`", False),
     ]:
-        found = corrected(source, [["ros1-import", "", f"status.py:{line}", fix]])
+        found = corrected(source, [Finding("ros1-import", "", f"status.py:{line}", fix)])
         assert ("self.create_subscription(" in found.text) is is_undone, fix
 
 

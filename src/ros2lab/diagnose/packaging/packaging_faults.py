@@ -30,10 +30,12 @@ from ros2lab.diagnose.sources.file_texts import read_toml
 from ros2lab.diagnose.sources.interfaces import INDEX
 from ros2lab.diagnose.sources.lying import lies_elsewhere
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.python_source import names_read, read_text
 from ros2lab.diagnose.sources.setup_cfg import cfg_repair, read_cfg
 from ros2lab.diagnose.sources.setup_script import SetupScript
 from ros2lab.diagnose.sources.spelling import alike, differs, is_near_miss
+
+_BRINGING = {"__import__", "exec", "eval"}  # what may bring code into a file without an import statement
 
 
 def packaging_faults(
@@ -57,7 +59,8 @@ def packaging_faults(
     told = {setup.source.at(node.end_lineno) for node, _ in setup.beside.values()}
     yield from (one for one in comma_faults(setup.source, "setup-syntax") if one.place not in told)
     is_sure = any(setup.call and getattr(one, "value", None) is setup.call for one in setup.source.tree.body)
-    may_be_called = package.is_run or bool(setup.source.calls)
+    brings_code = setup.source.imports or _BRINGING & names_read(setup.source.nodes)
+    may_be_called = package.is_run or bool(setup.source.calls and brings_code)
     if not is_sure and not taken_by_setuptools(package).get("is_called", may_be_called):
         cause = "setup.py never calls setup(), so nothing is installed."
         yield Finding("setup-missing", cause, setup.source.shown, "call setup(...) from setuptools")
