@@ -666,7 +666,13 @@ NESTED = {
 }
 
 
-@pytest.mark.parametrize("nested", NESTED.values(), ids=NESTED)
+@pytest.mark.parametrize(
+    "nested",
+    [
+        pytest.param(text, id=name, marks=pytest.mark.thorough if name == "branches" else ())
+        for name, text in NESTED.items()
+    ],
+)
 def test_beside_what_is_nested_too_deeply_the_rest_of_a_file_is_read(
     look: Callable[[Texts], Files], nested: str
 ) -> None:
