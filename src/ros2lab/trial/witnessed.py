@@ -144,20 +144,29 @@ def _never_true(tests: Mapping[Spot, Test]) -> Iterator[tuple[Finding, str]]:
             continue
         if len(sides) != 2 or isinstance(node.ops[0], _DENIALS) or _is_of_module(node):
             continue  # a guard that never fires is as it should be, and so is an imported module's __name__
-        left, right = ast.unparse(node.left), ast.unparse(node.comparators[0])
         is_equal = isinstance(node.ops[0], ast.Eq)
-        shown = zip((left, right), near or sides, strict=True)
-        last = " and ".join(f"{text} was {value}" for text, value in shown if text != value)
-        cause = f"During the run, `{ast.unparse(node)}` was never true in {test.checks} checks; at {'one of them' if near else 'the last one'}, {last}."
         change = _made_alike(*sides) if is_equal else ""
-        above = min(at for at, compared_text in _compared(source) if compared_text == left)
-        fix = compared_nearly(source, left, right) if near else f"check what {left} should be there"
-        if change:
-            fix = f"write `{left} = {left}{change}` above line {above}"
-        how = "near" if change or near else "changed" if any(side.has_changed for side in test.sides) else ""
-        finding = Finding("never-equal", cause, source.at(line), fix)
+        has_changed = any(side.has_changed for side in test.sides)
+        how = "near" if change or near else "changed" if has_changed else ""
+        finding = _of_comparison(source, node, test, change)
         found.append((not is_equal, source.shown, line, finding, how))
     yield from ((finding, how) for *_, finding, how in sorted(found, key=lambda row: row[:3]))
+
+
+def _of_comparison(source: PythonSource, node: ast.Compare, test: Test, change: str) -> Finding:
+    """Return the finding about a comparison that was never true; `change` makes its left side equal the right one."""
+    left, right = ast.unparse(node.left), ast.unparse(node.comparators[0])
+    shown = zip((left, right), test.near or [side.last for side in test.sides], strict=True)
+    last = " and ".join(f"{text} was {value}" for text, value in shown if text != value)
+    when = "one of them" if test.near else "the last one"
+    cause = (
+        f"During the run, `{ast.unparse(node)}` was never true in {test.checks} checks; at {when}, {last}."
+    )
+    fix = compared_nearly(source, left, right) if test.near else f"check what {left} should be there"
+    if change:
+        above = min(at for at, compared_text in _compared(source) if compared_text == left)
+        fix = f"write `{left} = {left}{change}` above line {above}"
+    return Finding("never-equal", cause, source.at(node), fix)
 
 
 def _is_of_module(node: ast.Compare) -> bool:

@@ -91,9 +91,7 @@ def _of_names(
     homes = _homes(module, wrong, names, source) | _below(module, wrong, own)
     if is_absent and not homes:
         return None  # a library that is not installed here
-    release = " of ROS 2 Jazzy" if top in interfaces.PACKAGES and not homes else ""
-    cause = f"{' and '.join(wrong)} {'is' if len(wrong) == 1 else 'are'} not in {module}{release}"
-    cause = f"There is no module {module}" if names is None else cause
+    cause = _lacking(module, wrong, homes) if names is not None else f"There is no module {module}"
     return Finding(
         "import-wrong",
         cause + _meant(module, wrong, homes, is_module=names is not None),
@@ -101,6 +99,13 @@ def _of_names(
         fix := _fix(source, node, homes, names),
         guess=_guess(source, node, fix, wrong, homes),
     )
+
+
+def _lacking(module: str, wrong: Sequence[str], homes: Mapping[str, object]) -> str:
+    """Say what a module lacks: where nothing else has it, it may be of another release."""
+    is_of_ros = module.partition(".")[0] in interfaces.PACKAGES
+    release = " of ROS 2 Jazzy" if is_of_ros and not homes else ""
+    return f"{' and '.join(wrong)} {'is' if len(wrong) == 1 else 'are'} not in {module}{release}"
 
 
 def _guess(

@@ -148,7 +148,11 @@ def _cheapest(trial: Trial, changes: Sequence[Change]) -> list[Edit]:
         good = [
             c for c in good if not (_IS_FUNCTION.match(kinds.get(c.edit.text, "")) and c.edit.text in unknown)
         ]
-    known = [c for c in good if c.cost == LESS or not UNKNOWN_TYPE.search(kinds.get(c.edit.text, ""))]
+    return _first(good, [c for c in good if c.cost == LESS or c.edit.text not in unknown])
+
+
+def _first(good: Sequence[Change], known: Sequence[Change]) -> list[Edit]:
+    """Return the first change, or the few that cost the same: of those of a known type, else one that is alone."""
     for change in [*known, *(other for other in good if not other.is_one_of_many)]:
         same = [other.edit for other in known if other.cost == change.cost and other.is_one_of_many]
         if not change.is_one_of_many:

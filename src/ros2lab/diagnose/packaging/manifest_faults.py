@@ -356,18 +356,28 @@ def launched_packages(package: SourcePackage) -> Iterator[tuple[str, str]]:
 
 
 def _undeclared(package: SourcePackage, own: Collection[str], homes: Mapping[str, str]) -> Iterator[Finding]:
-    launched: set[str] = set()
-    told: set[str] = set()
     declared = {dependency.name for dependency in needed(package)} | package.conditional
-    known = PACKAGES.union(own)
-    strange = [name for name in declared if name not in known]
+    strange = [name for name in declared if name not in PACKAGES.union(own)]
+    launched = dict[str, str]()
     for name, place in launched_packages(package):
-        is_declared = name in declared or _is_like(name, strange)
-        if name in own and not is_declared and name not in launched | {package.name}:
-            launched.add(name)
+        launched.setdefault(name, place)
+    for name, place in launched.items():
+        if name in own and name not in declared | {package.name} and not _is_like(name, strange):
             cause = f"{place.partition(':')[0]} uses the package {name}, but package.xml does not declare it, so `colcon build --packages-up-to {package.name}` leaves it out."
             fix = f"add <exec_depend>{name}</exec_depend> to {package.shown('package.xml')}"
             yield Finding("dependency-launched", cause, place, fix, (name,))
+    yield from _imported(package, own, homes, declared, strange)
+
+
+def _imported(
+    package: SourcePackage,
+    own: Collection[str],
+    homes: Mapping[str, str],
+    declared: Set[str],
+    strange: Sequence[str],
+) -> Iterator[Finding]:
+    """Yield the packages that are imported, and neither declared nor misspelt among the `strange` names."""
+    told, known = set[str](), PACKAGES.union(own)
     for source in package.sources.values():
         if re.search(r"(^|/)tests?/", source.shown):
             continue

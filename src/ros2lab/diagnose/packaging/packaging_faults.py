@@ -58,10 +58,7 @@ def packaging_faults(
     yield from path_faults(setup.source)
     told = {setup.source.at(node.end_lineno) for node, _ in setup.beside.values()}
     yield from (one for one in comma_faults(setup.source, "setup-syntax") if one.place not in told)
-    is_sure = any(setup.call and getattr(one, "value", None) is setup.call for one in setup.source.tree.body)
-    brings_code = setup.source.imports or _BRINGING & names_read(setup.source.nodes)
-    may_be_called = package.is_run or bool(setup.source.calls and brings_code)
-    if not is_sure and not taken_by_setuptools(package).get("is_called", may_be_called):
+    if not _is_called(package, setup):
         cause = "setup.py never calls setup(), so nothing is installed."
         yield Finding("setup-missing", cause, setup.source.shown, "call setup(...) from setuptools")
         return
@@ -76,11 +73,20 @@ def packaging_faults(
     yield from _dashes(package)
     if is_for_ros:
         yield from _places_for_ros(package, setup)
-    is_library = setup.entry_points == [] and "scripts" not in setup.keywords
-    lost = "" if is_library else _lost(package)
-    if is_for_ros and package.build_type in (None, "ament_python") and lost:
-        yield from _cfg_faults(package, lost)
+        is_library = setup.entry_points == [] and "scripts" not in setup.keywords
+        lost = "" if is_library or package.build_type not in (None, "ament_python") else _lost(package)
+        yield from _cfg_faults(package, lost) if lost else ()
     yield from entry_point_faults(package, setup)
+
+
+def _is_called(package: SourcePackage, setup: SetupScript) -> bool:
+    """Return whether a setup.py calls setup(), as its text shows or setuptools says; True if neither can be told."""
+    body = setup.source.tree.body if setup.source.tree else ()
+    if any(setup.call and getattr(statement, "value", None) is setup.call for statement in body):
+        return True
+    brings_code = setup.source.imports or _BRINGING & names_read(setup.source.nodes)
+    may_be_called = package.is_run or bool(setup.source.calls and brings_code)
+    return bool(taken_by_setuptools(package).get("is_called", may_be_called))
 
 
 def _taken_over(package: SourcePackage, setup: SetupScript) -> Iterator[Finding]:

@@ -153,7 +153,8 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
         seen["why"] = _untried(players[0])
         return Answer("untried", seen, (players[0].key,), shown(players[0].node))
     runs = [player.run for player in telling]
-    if all(level == "PRINT" for run in runs for command in run.commands for level, _ in command.log):
+    lines = [line for run in runs for command in run.commands for line in command.log]
+    if all(level == "PRINT" for level, _ in lines):
         seen["line"] = "A printed line"
     logged = {word for run in runs for word in _logged(part, run)}
     every = [player.run for player in players if player.commands]
@@ -163,19 +164,18 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
     mute = {word for word, found in case.evidence.files.branches.items() if MUTE in found}
     unsent = unsent_by(case, part, runs, logged) - mute
     silent = [word for word in part.commands if word not in logged | unsent]
+    seen["silent"] = listed(silent)
     if len(own) >= len(silent):
         level = "until_end" if unsent - logged else "all"
-        seen["told"] = (
-            f"each word that the node knows: {listed([*sorted(logged), *own])}" if silent else seen["told"]
-        )
+        if silent:
+            seen["told"] = f"each word that the node knows: {listed([*sorted(logged), *own])}"
     elif {*silent} <= _shared(case, part, runs):
         level = "all"
-        seen["told"] = (
-            f"each command; that of {listed(silent)} comes with unknown words, too, which counts above"
-        )
+        seen["told"] += f"; that of {listed(silent)} comes with unknown words, too, which counts above"
+    elif logged or own:
+        level = "some"
     else:
-        level = "some" if logged or own else "unspecific" if _says_anything(part, runs) else "none"
-    seen["silent"] = listed(silent)
+        level = "unspecific" if _says_anything(part, runs) else "none"
     return Answer(level, seen, (f"runs[{telling[0].number}].commands",), shown(telling[0].node))
 
 
