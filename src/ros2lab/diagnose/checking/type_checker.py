@@ -78,8 +78,11 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     call = call_at(spot, int(row["column"]) - 1, rule)
     short = owner.rpartition(".")[2]
     at_fault = argument_at(call, spot.line, int(row["column"]) - 1) if call else None
+    item: Finding | None = None
     if call and at_fault:
-        if rule == "invalid-argument-type" and (item := refused_items(spot, at_fault, short, row["said"])):
+        if rule == "invalid-argument-type":
+            item = refused_items(spot, at_fault, short, row["said"])
+        if item and item.code == "made-wrong":  # the other items show how
             return replace(item, code="argument-type")
         said["value"] = _as_given(call, at_fault)
     code, cause, fix = _of_call(rule, short, name, said)
@@ -88,6 +91,8 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     told = _of_known(rule, name, cause, call, spot=spot, look=look)
     if told:
         return Finding(code, told[0], place, told[1])
+    if item:
+        return item
     if rule == "unknown-argument":
         fix = _nearer(name, call) or fix
     elif rule == "missing-argument":
