@@ -238,9 +238,10 @@ def remove_dead_shared_memory(folder: Path = SHARED_MEMORY) -> list[str]:
     """
     removed = []
     for path in folder.glob("fastrtps_*"):
-        is_lock = path.name.endswith("_el")
-        if not (_is_dead(path) if is_lock else _is_half_made(path)):
-            continue
+        if path.name.endswith("_sl") or not (
+            _is_dead(path) if path.name.endswith("_el") else _is_half_made(path)
+        ):
+            continue  # many share a lock of this name
         name = path.name.removesuffix("_el")
         for dead in (folder / name, folder / f"sem.{name}_mutex", folder / f"{name}_el"):
             with contextlib.suppress(OSError):

@@ -50,7 +50,7 @@ ROWS = [
     (("self.show()", "self.trips = 1", "pass\n\n    def show(self):\n        print(self.trips)"), "trips", "attribute-missing", "make sure that line 22 runs before this line"),
     (("pass", "pass", "self.mood = self.mood + 1"), "mood", "attribute-missing", "set self.mood in __init__,"),
     (("self.mood: int", "pass", "print(self.mood)"), "mood", "attribute-missing", "set self.mood in __init__,"),
-    (("self.mood = 1", "del self.mood", "print(self.mood)"), "mood", "attribute-unknown", "Taxi offers"),
+    (("self.mood = 1", "del self.mood", "print(self.mood)"), "mood", "attribute-unknown", "remove mood here, or define it in Taxi"),
     (("self.__speeds = 1", "pass", "print(self.__sped)"), "_Taxi__sped", "attribute-missing", "write "),
 ]  # fmt: skip
 

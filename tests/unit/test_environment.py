@@ -168,6 +168,7 @@ def test_only_shared_memory_of_the_dead_is_removed(tmp_path: Path) -> None:
         ("fastrtps_port7413", b""),
         ("fastrtps_port7415", bytes((1, 0, 0, 0, 0))),
         ("sem.fastrtps_port7415_mutex", b""),
+        ("fastrtps_port7411_sl", b""),
         ("other_el", b""),
     ):
         (tmp_path / name).write_bytes(content)
@@ -190,6 +191,7 @@ def test_only_shared_memory_of_the_dead_is_removed(tmp_path: Path) -> None:
         "fastrtps_new",
         "fastrtps_new_el",
         "fastrtps_port7411",
+        "fastrtps_port7411_sl",
         "other_el",
     ]
 

@@ -11,6 +11,16 @@ from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.trial.record import Error
 
 MOST = 3  # values that are told where none is known to be the cause
+_OF_CODE = frozenset(("NameError", "ImportError", "ModuleNotFoundError", "AttributeError", "TypeError"))
+
+
+def is_of_code(kind: str, message: str = "") -> bool:
+    """Return whether an exception comes of the code itself, whatever the values are; with a None it may not.
+
+    A message refuses a value of another type by an AssertionError.
+    """
+    is_of_type = kind == "AssertionError" and " field must be of type" in message
+    return (kind in _OF_CODE or is_of_type) and "None" not in message
 
 
 def with_values(finding: Finding, errors: Iterable[Error]) -> Finding:

@@ -23,6 +23,7 @@ from ros2lab.grading.evidence import Run, ServiceCall
 from ros2lab.observed_domain import TEXTS
 from ros2lab.trial.contents import leaves_of
 from ros2lab.trial.ends import explained
+from ros2lab.trial.failing import is_of_code
 from ros2lab.trial.story import may_be_called
 
 if TYPE_CHECKING:
@@ -32,11 +33,6 @@ if TYPE_CHECKING:
 MOST_WORDS, MOST_NUMBERS = 6, 6  # of those in the code that are given
 MOST_SHOWN, LONGEST = 3, 40  # fields and texts; letters
 LARGEST = 1e6
-# Errors of the code itself, whatever is received; a None, or a value out of the range of its field, may come of that.
-_OF_CODE = re.compile(
-    r"(NameError|ImportError|ModuleNotFoundError|AttributeError|TypeError|AssertionError: The '\w+' field must be of type)"
-    r"(?!.*NoneType)"
-)
 Contents = Mapping[str, Mapping[str, Sequence[Any]]]
 
 
@@ -119,7 +115,9 @@ def given_faults(seen: Seen, given: GivenRun) -> Iterator[Finding]:
         nodes = {node for run in seen.alone if run.programs[0] == name for node in run.nodes}
         read = (given.run.subscribes.get(topic, {}) for topic in _just_given(given, name))
         texts = [kinds for by in read for node, kinds in by.items() if node in nodes and TEXTS in kinds]
-        if report is not None and _OF_CODE.match(report.line) and not texts:  # a text may be read as anything
+        if (
+            report is not None and is_of_code(*report.line.split(": ", 1)) and not texts
+        ):  # a text may be read as anything
             yield from (found for found in explained(seen, given.run, name) if found.code != "program-ends")
 
 
@@ -265,5 +263,7 @@ def _ended(seen: Seen, given: GivenRun, name: str, own: Collection[str]) -> Iter
     ]
     when = f" soon after {', '.join(texts[:MOST_SHOWN])}" if texts else ""
     at = f" ({spot.place})" if spot.place else ""
-    hedge = "" if _OF_CODE.match(report.line) else "; that was made up, and may be what never comes"
+    hedge = (
+        "" if is_of_code(*report.line.split(": ", 1)) else "; that was made up, and may be what never comes"
+    )
     yield f"It ended with {report.line!r}{at}{when}{hedge}."

@@ -11,7 +11,7 @@ from ros2lab.diagnose.finding import Finding, keeps_from_working
 from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
-from ros2lab.trial.failing import failed_with
+from ros2lab.trial.failing import failed_with, is_of_code
 from ros2lab.trial.record import Error
 from ros2lab.trial.unreached import Reason, Unreached, shown, statement_of, times
 
@@ -24,7 +24,6 @@ LEAST = (
 )
 MOST = 3  # statements of which that is told
 _SENDS = frozenset(("publish", "call", "call_async", "send_goal", "send_goal_async", "cancel"))
-_MISTAKES = frozenset(("AttributeError", "NameError", "TypeError", "UnboundLocalError"))
 
 
 def with_reasons(
@@ -99,7 +98,7 @@ def swallowed(unreached: Unreached) -> Iterator[tuple[Finding, str]]:
         is_broad = handler is not None and (
             handler.type is None or ast.unparse(handler.type) in ("Exception", "BaseException")
         )
-        is_mistake = error.kind in _MISTAKES and "None" not in error.message and error.count >= LEAST
+        is_mistake = is_of_code(error.kind, error.message) and error.count >= LEAST
         if handler is None or failing is None or not is_broad or not is_mistake:
             continue
         source = error.lines[0][0]

@@ -77,6 +77,15 @@ class Error:
     lines: Sequence[tuple[PythonSource, int]]
     values: Sequence[Value]
 
+    def is_like(self, other: Error) -> bool:
+        """Return whether another run has had it as well."""
+        return (self.handler, self.kind, self.message, self.lines) == (
+            other.handler,
+            other.kind,
+            other.message,
+            other.lines,
+        )
+
     @property
     def shown(self) -> str:
         """Its last line in a traceback."""
@@ -107,8 +116,11 @@ class Record:
         self.errors: list[Error] = []
         self.classes: set[tuple[PythonSource, int]] = set()
         for file in sorted((folder / "noted").glob("*.json")):
-            with contextlib.suppress(OSError, ValueError):
-                self._read(json.loads(file.read_text(encoding="utf-8")))
+            told = None
+            with contextlib.suppress(OSError, ValueError):  # of a program that was killed while it wrote
+                told = json.loads(file.read_text(encoding="utf-8"))
+            if told is not None:
+                self._read(told)
 
     def count(self, source: PythonSource, node: ast.AST) -> int:
         """Return how often what a node marks happened."""
@@ -135,7 +147,12 @@ class Record:
         for key, kind, message, count, lines, values in told["errors"]:
             handler = self._spot(key) if key else None
             places = [found[:2] for line in lines if (found := self._spot(line))]
-            self.errors.append(Error(handler, count, kind, message, places, [(*v,) for v in values]))
+            error = Error(handler, count, kind, message, places, [(*value,) for value in values])
+            known = next((n for n, other in enumerate(self.errors) if other.is_like(error)), None)
+            if known is None:
+                self.errors.append(error)
+            else:
+                self.errors[known] = replace(self.errors[known], count=self.errors[known].count + count)
         self.classes |= {*self._classes(told["classes"])}
 
     def _spots(self, told: Mapping[str, Any]) -> Iterator[tuple[Spot, Any]]:

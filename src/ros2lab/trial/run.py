@@ -58,7 +58,7 @@ class Trial:
 
     Attributes:
         findings: what is silent or wrong, the likeliest first.
-        story: what each program did, one sentence each.
+        story: what each program did, in a few sentences, and then what was not reached or never true.
         read: what reading the files has found, without what the run contradicts.
     """
 
@@ -70,7 +70,7 @@ class Trial:
 def try_out(
     root: Path, show: Callable[[str], None] = lambda _step: None, read: Sequence[Finding] = ()
 ) -> Trial:
-    """Run each installed program of a workspace alone, then all of them together.
+    """Run each installed program of a workspace alone, then all of them together, and once more with what they wait for.
 
     A program in a launch file runs with the names, remappings and parameters given there.
 
@@ -126,17 +126,19 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
             jobs.append(_OwnJob(leases, _noting(programs, more_notes, look), contents=contents))
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch(jobs)
-        noted = witnessed(notes, look)
-        for path in (more_notes / "noted").glob("*.json"):
-            path.rename(notes / "noted" / path.name)
-        ever = witnessed(notes, look)
+        ever = noted = witnessed(notes, look)
+        if contents:
+            for path in (more_notes / "noted").glob("*.json"):
+                path.rename(notes / "noted" / path.name)
+            ever = witnessed(notes, look)
     usual = runs[: len(runs) - bool(contents)]
-    errors = (*noted.unreached.record.errors, *ever.unreached.record.errors)
-    seen = Seen(look, assignment, usual[: len(programs)], usual[len(programs) :], errors)
+    first = noted.unreached.record.errors  # whose values are not made up
+    later = [error for error in ever.unreached.record.errors if not any(map(error.is_like, first))]
+    seen = Seen(look, assignment, usual[: len(programs)], usual[len(programs) :], [*first, *later])
     if not contents:
         return seen, noted, None
-    later = {finding.place for finding in (*ever.never, *ever.steady)}
-    never, steady = ([one for one in found if one.place in later] for found in (noted.never, noted.steady))
+    still = {finding.place for finding in (*ever.never, *ever.steady)}
+    never, steady = ([one for one in found if one.place in still] for found in (noted.never, noted.steady))
     fatal = jobs[-1].result.get("fatal", [])
     noted = replace(ever, never=never, steady=steady, called=noted.called)
     return seen, noted, GivenRun(runs[-1], fatal, ever.called)

@@ -79,14 +79,12 @@ class _Side:
             value = _Words(_shown(value))
         elif value is last:
             return
-        elif kind in _NUMBERS:
-            if self.low is None:
-                self.low = self.high = value
-            elif value < self.low:
+        elif kind in _NUMBERS and value == value:  # noqa: PLR0124 -- a NaN is not, and has no bounds
+            if self.low is None or value < self.low:
                 self.low = value
-            elif value > self.high:
+            if self.high is None or value > self.high:
                 self.high = value
-        elif kind is not bool and value is not None:
+        elif kind is str or kind is bytes:
             value = value[:_LONGEST]
         if last is not self and not self.has_changed:
             self.has_changed = last != value or type(last) is not type(value)
@@ -266,12 +264,19 @@ class _Errors:
             self.note("", error.__cause__ or error.__context__)
 
     def note(self, key: str, error: BaseException | None) -> None:
-        with contextlib.suppress(Exception):
-            known = key, type(error).__name__, str(error)[:_LONGEST_MESSAGE]
-            if error is not None and known not in self.found and len(self.found) < _MOST_ERRORS:
-                frames = [*_frames(error.__traceback__, self.paths)]
-                lines = [f"{frame.f_code.co_filename}:{line}:0:{line}:0" for frame, line in frames]
-                self.found[known] = [*known, 0, lines, _values(*frames[-1]) if frames else []]
+        if error is None:
+            return
+        message = "?"
+        with contextlib.suppress(Exception):  # of the program's own __str__
+            message = str(error)[:_LONGEST_MESSAGE]
+        known = key, type(error).__name__, message
+        if known not in self.found and len(self.found) < _MOST_ERRORS:
+            frames, values = [*_frames(error.__traceback__, self.paths)], list[Any]()
+            with contextlib.suppress(Exception):
+                values = _values(*frames[-1])
+            lines = [f"{frame.f_code.co_filename}:{line}:0:{line}:0" for frame, line in frames]
+            self.found[known] = [*known, 0, lines, values]
+        if known in self.found:
             self.found[known][3] += 1
 
 
@@ -404,14 +409,8 @@ def _begin() -> None:
         marks.update(noting.marks)
         paths[noting.path] = None
 
-    held = (
-        (_TESTS, tests),
-        (_LOOPS, loops),
-        (_MARKS, marks),
-        (_OBJECTS, note_object),
-        (_CAUGHT, errors.caught),
-    )
-    for name, holder in held:
+    holders = (tests, loops, marks, note_object, errors.caught)
+    for name, holder in zip((_TESTS, _LOOPS, _MARKS, _OBJECTS, _CAUGHT), holders, strict=True):
         setattr(builtins, name, holder)
 
     def write() -> None:

@@ -41,7 +41,7 @@ def diagnose(
         bool,
         typer.Option(
             "--run",
-            help="Also run what was built for a few seconds, in isolation, and say what is silent or wrong.",
+            help="Also run what was built for a few seconds, in isolation, with made-up messages and calls where nothing sends any, and say what is silent or wrong.",
         ),
     ] = False,
     is_json: Annotated[

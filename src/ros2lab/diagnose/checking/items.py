@@ -32,8 +32,10 @@ def of_named_item(message: str, spot: Spot) -> Finding | None:
     return _told(spot.file, lists[0], int(index[1]), f": {message.rstrip('.')}")
 
 
-def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> Finding | None:
-    """Return the items for which a list is refused, each asked alone; None if it is refused as a list, or is none.
+def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> tuple[Finding | None, bool]:
+    """Return the items for which a list is refused, each asked alone, and whether others of it are taken.
+
+    It is None if the list is refused as a list, or is none.
 
     Args:
         spot: where the list is given.
@@ -43,15 +45,16 @@ def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> Find
     """
     source = spot.file
     if not isinstance(value, _Several) or len(value.elts) > _MOST:
-        return None
+        return None, False
     free = sorted(names_bound(own_nodes(spot.function or source.tree)) - names_read(source.nodes))
     alone = ["", *(f"reveal_type({ast.unparse(item)})" for item in value.elts), *free]
     least, *counts = _objections(source, value, alone, said)
     bad = [n for n, (count, _) in enumerate(counts[: len(value.elts)]) if count > least[0]]
     if not bad:
-        return None
-    if len(bad) < len(value.elts) and (other := _told(source, value, bad[0])).fix:
-        return other
+        return None, False
+    is_odd = len(bad) < len(value.elts)
+    if is_odd and (other := _told(source, value, bad[0])).fix:
+        return other, True
     pythons = {*dir(builtins)} - {*keyword.kwlist, *source.names} - names_bound(source.nodes)
     kinds = {_short(value.elts[n]): _kind(counts[n][1]) for n in bad}
     fitting = [name for name, (n, _) in zip(free, counts[len(value.elts) :], strict=True) if n <= least[0]]
@@ -65,7 +68,7 @@ def refused_items(spot: Spot, value: ast.expr, function: str, said: str) -> Find
     elif first == "a string":
         fix = f"remove {names} from the list; code that is to be left out is marked with # instead of quotes"
     cause = f"Not every item of this list is one that {function} takes: {in_a_row(told)}."
-    return Finding("argument-type", cause, source.at(value.elts[bad[0]]), fix)
+    return Finding("argument-type", cause, source.at(value.elts[bad[0]]), fix), is_odd
 
 
 def _kind(said: str) -> str:

@@ -78,10 +78,10 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     call = call_at(spot, int(row["column"]) - 1, rule)
     short = owner.rpartition(".")[2]
     at_fault = argument_at(call, spot.line, int(row["column"]) - 1) if call else None
-    item: Finding | None = None
+    item, is_odd = None, False
     if call and at_fault:
         if rule == "invalid-argument-type":
-            item = refused_items(spot, at_fault, short, row["said"])
+            item, is_odd = refused_items(spot, at_fault, short, row["said"])
         if item and item.code == "made-wrong":  # the other items show how
             return replace(item, code="argument-type")
         said["value"] = _as_given(call, at_fault)
@@ -91,8 +91,6 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     told = _of_known(rule, name, cause, call, spot=spot, look=look)
     if told:
         return Finding(code, told[0], place, told[1])
-    if item:
-        return item
     if rule == "unknown-argument":
         fix = _nearer(name, call) or fix
     elif rule == "missing-argument":
@@ -105,8 +103,8 @@ def _finding(row: re.Match[str], said: dict[str, str], spot: Spot, look: Look) -
     if is_short:
         code = "argument-missing"
         cause = f"{short} is called with one argument too few, so its arguments are in the wrong places."
-    fix = _tried(spot.source, call, at_fault, said, row, is_short=is_short) or fix
-    return Finding(code, cause, place, fix)
+    tried = "" if is_odd else _tried(spot.source, call, at_fault, said, row, is_short=is_short)
+    return item if item and not tried else Finding(code, cause, place, tried or fix)
 
 
 def _of_no_call(rule: str, name: str, said: dict[str, str], spot: Spot, look: Look) -> Finding | None:

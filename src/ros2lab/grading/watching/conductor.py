@@ -147,7 +147,9 @@ class Conductor:
     def _giving(self, watch: Watch) -> Given:
         """Return what gives the programs what they may wait for: made-up contents, or default values."""
         if self.plan.get("contents") is not None:
-            return Varied(watch, self.plan["contents"], self._calls, lambda: self._alive)
+            return Varied(
+                watch, self.plan["contents"], self._calls, self.plan["programs"], lambda: self._alive
+            )
         kept = [*self._assignment.topics, *(part.topic for part in self._assignment.services)]
         return Given(watch, kept, flags=self.plan["has_flags"])
 

@@ -66,7 +66,7 @@ class Given:
         return {"given": sorted(self.names), "tried": self.tried}
 
     def _with_own_stimuli(self) -> set[str]:
-        """Return the topics and services on which nothing is given."""
+        """Return the topics on which nothing is given."""
         return {*self._kept, self._watch.command_topic()}
 
     def give(self, turn: int | None = None) -> None:
@@ -107,8 +107,8 @@ class Given:
         if topic not in self._publishers:
             node = self._watch.holding(topic, type_name(message))
             self._publishers[topic] = node.create_publisher(message, topic, LATCHED, event_callbacks=UNTOLD)
-            self.names.add(topic)
         self._publishers[topic].publish(self._flagged(topic, message()))
+        self.names.add(topic)
 
     def _call(self, service: str, kind: Any) -> None:
         """Call an available service once with each request; flags start as true: false often means stop."""

@@ -31,10 +31,11 @@ class Varied(Given):
         watch: the observer's watch of the run.
         contents: the `words` and `numbers` that the code compares, by the last part of the topic's name.
         calls: where the calls of services are noted.
-        alive: returns how many of the programs have not ended.
+        programs: how many programs were started.
+        alive: returns how many of them have not ended.
 
     Attributes:
-        fatal: for each program that ended, what was given just before, by topic or service.
+        fatal: for each program that ended, in this order, what was given just before, by topic or service.
     """
 
     def __init__(
@@ -42,11 +43,12 @@ class Varied(Given):
         watch: Watch,
         contents: Mapping[str, Mapping[str, Any]],
         calls: list[dict[str, Any]],
+        programs: int,
         alive: Callable[[], int],
     ) -> None:
         super().__init__(watch, (), flags=True)
         self.fatal: list[dict[str, Any]] = []
-        self._contents, self._calls, self._alive = contents, calls, alive
+        self._contents, self._calls, self._living, self._alive = contents, calls, programs, alive
         self._now = lambda: watch.node.get_clock().now().to_msg()
         self._number = 0  # of the turn
         self._counts: dict[str, int] = defaultdict(int)  # what was given on each topic or service
@@ -68,6 +70,7 @@ class Varied(Given):
             self._turns(time.monotonic() + SECONDS)
             self._watch.until(lambda: all(answer.done() for answer in self._pending.values()), ANSWER_TIMEOUT)
         finally:
+            self._note_ends()
             for call in self._calls:
                 if call["response"] is None:
                     call["seconds"] = time.monotonic() - call["seconds"]
@@ -75,6 +78,7 @@ class Varied(Given):
     def _turns(self, end: float) -> None:
         watch = self._watch
         while self._number < TURNS and (self._number < LEAST_TURNS or time.monotonic() < end):
+            self._note_ends()
             before, nodes, self._last = self._alive(), len(watch.nodes()), {}
             self.give()
             self._number += 1
@@ -83,9 +87,13 @@ class Varied(Given):
             watch.until(lambda: False, PAUSE)
             if len(watch.nodes()) < nodes:  # before its program ends, so that nothing else is given meanwhile
                 watch.until(lambda: self._alive() < before, watch.patience)  # noqa: B023
-            self.fatal += [self._last] * (before - self._alive())
             watch.check()
             watch.look_again()
+
+    def _note_ends(self) -> None:
+        """Note for the programs that have ended meanwhile what was given last."""
+        self.fatal += [self._last] * (self._living - self._alive())
+        self._living = self._alive()
 
     def _with_own_stimuli(self) -> set[str]:
         return self._kept
