@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from ros2lab.grading.code.own_messages import own_messages
 
 from ros2lab.diagnose.sources.python_source import PythonSource
-from ros2lab.grading.code.own_messages import own_messages
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.reading.written_ends import written_ends
 

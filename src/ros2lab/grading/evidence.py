@@ -44,8 +44,6 @@ class WrittenEnd:
         module: the last part of the name of the module that creates it; empty if it is not known.
         does: what running code would do with it, in the words of `deeds`; None if that is not known.
         never: what that code never does with it, although it does something.
-        paces: the periods of timers that are the only ones to publish on it, in s; empty if they are not
-            known.
         begins: whether code publishes with it as soon as the program runs, whatever comes or holds.
         vain: the place of the finding of `diagnose` that keeps the code from doing more with it; empty if none does.
     """
@@ -57,7 +55,6 @@ class WrittenEnd:
     module: str = ""
     does: list[str] | None = None
     never: list[str] = field(default_factory=list)
-    paces: list[float] = field(default_factory=list)
     begins: bool = False
     vain: str = ""
 
@@ -109,6 +106,8 @@ class Files:
         ends_left: the same without the code of which the findings say that it is in vain; empty if that changes none.
         ends_elsewhere: those that the rest of the submission may create, on unknown topics; None if not
             known.
+        contents: the `words` and `numbers` that the code compares what comes with, by the last part of the
+            topic's name; under an empty name those for any other.
         declared: the parameters that the code declares, with their defaults; None for an unknown default.
         notes: what was not looked at, and why.
         unread: the facts that are empty because our reader failed, and why it did.
@@ -143,6 +142,7 @@ class Files:
     ends_meant: list[WrittenEnd] = field(default_factory=list)
     ends_left: list[WrittenEnd] = field(default_factory=list)
     ends_elsewhere: list[WrittenEnd] | None = None
+    contents: dict[str, dict[str, list[Any]]] = field(default_factory=dict)
     declared: dict[str, bool | float | str | None] = field(default_factory=dict)
     findings: list[list[str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -341,9 +341,12 @@ class Run:
             if there is none.
         services: types by service and node, if the assignment asks for a service.
         calls: calls of services, in order.
-        given: topics and services that were given default values, because nothing in the submission provides
-            them.
-        tried: those of them on which every possible value was given, in every combination with the others.
+        given: topics and services that were given something, because nothing in the submission provides them.
+        gave: the type of each of them, if the contents were made up; empty in older evidence, where all were
+            default values.
+        ungiven: what nodes wait for and could not be given, by name: an action, or what is of a type that is not here.
+        meanwhile: what was published while something was given; `quiet` and `commands` came after it.
+        handed_on: the topics on which nothing came meanwhile but what was given.
         commanded: the topic on which the commands were published; empty if nothing receives any.
         typed: the lines that were typed for a program that reads a keyboard, in order.
         clocked: full names of the nodes that follow `/clock` although they were not told to and nobody
@@ -373,7 +376,10 @@ class Run:
     services: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     calls: list[ServiceCall] = field(default_factory=list)
     given: list[str] = field(default_factory=list)
-    tried: list[str] = field(default_factory=list)
+    gave: dict[str, str] = field(default_factory=dict)
+    ungiven: dict[str, str] = field(default_factory=dict)
+    meanwhile: dict[str, Heard] = field(default_factory=dict)
+    handed_on: list[str] = field(default_factory=list)
     commanded: str = ""
     typed: list[str] = field(default_factory=list)
     clocked: list[str] = field(default_factory=list)
@@ -384,9 +390,9 @@ class Run:
 
     @property
     def stretches(self) -> list[dict[str, Heard]]:
-        """What was published before all requests and commands, and after each of them."""
+        """What was published before all requests and commands, after each of them, and while something was given."""
         after = [*(call.topics for call in self.calls), *(command.topics for command in self.commands)]
-        return [self.quiet, *after]
+        return [self.quiet, *after, *([self.meanwhile] if self.meanwhile else [])]
 
     @property
     def torn(self) -> dict[str, list[str]]:

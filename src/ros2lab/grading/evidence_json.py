@@ -30,6 +30,10 @@ _WORDS = {
 }
 
 
+# Fields of older evidence that nothing asks for any more.
+_GONE = frozenset(("tried", "paces"))
+
+
 class EvidenceError(Exception):
     """A text that is no evidence, or not of this version; the message says where, and what to do."""
 
@@ -165,7 +169,7 @@ def _read_fields(data: Any, wanted: Any, path: str) -> Any:
         elif is_needed:
             raise EvidenceError(f"This evidence does not fit: {_at(path)} has no {name}; grade again.")
     for name in data:
-        if name not in fields:
+        if name not in fields and name not in _GONE:
             raise EvidenceError(
                 f"This evidence does not fit: {_at(path)} has {ascii(name)[:100]}, which is not known; grade again."
             )

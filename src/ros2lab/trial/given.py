@@ -12,13 +12,11 @@ from typing import TYPE_CHECKING, Any
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.service_faults import service_ends
-from ros2lab.diagnose.nodes.topic_faults import End, ends_of, word_sources
+from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.printed.error_text import ErrorReport, read_error
 from ros2lab.diagnose.printed.spots import spot_of
-from ros2lab.diagnose.sources.python_source import PythonSource, last_name
 from ros2lab.every_node import HIDDEN_TOPICS, OF_MANAGED
-from ros2lab.grading.code.compared import compared
-from ros2lab.grading.code.running import running
+from ros2lab.grading.code.contents import Contents, Values, compared_by
 from ros2lab.grading.evidence import Run, ServiceCall
 from ros2lab.observed_domain import TEXTS
 from ros2lab.trial.contents import leaves_of
@@ -30,10 +28,7 @@ if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
     from ros2lab.trial.witnessed import Called
 
-MOST_WORDS, MOST_NUMBERS = 6, 6  # of those in the code that are given
 MOST_SHOWN, LONGEST = 3, 40  # fields and texts; letters
-LARGEST = 1e6
-Contents = Mapping[str, Mapping[str, Sequence[Any]]]
 
 
 @dataclass(frozen=True)
@@ -62,8 +57,8 @@ def open_contents(look: Look, commanded: str) -> Contents:
     every = [look.sources(package) for package in look.packages]
     ends = [end for sources in every for end in ends_of(sources, unnamed=True)]
     published = {_named(end, renamed) for end in ends if end.is_publisher}
-    found: dict[str, Mapping[str, Sequence[Any]]] = {
-        _named(end, renamed): _compared_by(end)
+    found: dict[str, Values] = {
+        _named(end, renamed): compared_by(end)
         for end in ends
         if not end.is_publisher
         and _named(end, renamed) not in {*published, _last(commanded), *map(_last, HIDDEN_TOPICS)}
@@ -75,7 +70,7 @@ def open_contents(look: Look, commanded: str) -> Contents:
     found |= {name: {} for name in offered ^ called}
     if found:  # what is sent to the command topic in other runs is given here, too
         found |= {
-            _last(commanded): _compared_by(end) for end in ends if _named(end, renamed) == _last(commanded)
+            _last(commanded): compared_by(end) for end in ends if _named(end, renamed) == _last(commanded)
         }
     return found
 
@@ -86,26 +81,6 @@ def _last(name: str) -> str:
 
 def _named(end: End, renamed: Mapping[str, str]) -> str:
     return _last(renamed.get(end.place) or end.topic)
-
-
-def _compared_by(end: End) -> Mapping[str, Sequence[Any]]:
-    """Return the words that the package of a subscription compares, and the numbers in its file."""
-    texts = compared(node for _, node in running(word_sources(end.sources)))
-    words = [text for text in texts if text and not text.startswith("__")]
-    return {"words": words[:MOST_WORDS], "numbers": _numbers(end.creation.source)[:MOST_NUMBERS]}
-
-
-def _numbers(source: PythonSource) -> list[float]:
-    """Return the numbers in a file, first those in comparisons; without queue depths, periods and the like."""
-    calls = [node for node in source.nodes if isinstance(node, ast.Call)]
-    given = {id(arg) for call in calls if last_name(call.func).startswith("create_") for arg in call.args}
-    compares = [node for node in source.nodes if isinstance(node, ast.Compare)]
-    nodes = chain(chain.from_iterable(map(ast.walk, compares)), source.nodes)
-    values = (node.value for node in nodes if isinstance(node, ast.Constant) and id(node) not in given)
-    numbers = (
-        number for number in values if isinstance(number, (int, float)) and not isinstance(number, bool)
-    )
-    return [*dict.fromkeys(number for number in numbers if abs(number) < LARGEST)]
 
 
 def given_faults(seen: Seen, given: GivenRun) -> Iterator[Finding]:

@@ -29,6 +29,7 @@ from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_par
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.domain_lease import leased
 from ros2lab.grading.code.compared import compared
+from ros2lab.grading.code.contents import Contents
 from ros2lab.grading.code.running import running
 from ros2lab.grading.evidence import GIVEN, Run
 from ros2lab.grading.sandbox.box import Box, Limits
@@ -37,7 +38,7 @@ from ros2lab.grading.watching.job import Job, Program
 from ros2lab.grading.watching.observe import SHOWN, Observer
 from ros2lab.scratch import scratch_folder
 from ros2lab.trial.ends import UNKNOWN_WORD
-from ros2lab.trial.given import Contents, GivenRun, given_faults, open_contents, told_of_given
+from ros2lab.trial.given import GivenRun, given_faults, open_contents, told_of_given
 from ros2lab.trial.held_back import with_reasons
 from ros2lab.trial.retold import without_retold
 from ros2lab.trial.seen import Seen, seen_faults
@@ -282,9 +283,7 @@ class _OwnJob(Job):
         if contents is None:
             super().__init__(programs, "together" if len(programs) > 1 else "alone", is_brief=is_brief)
         else:
-            how = {"has_commands": False, "is_stepped": False, "is_brief": True, "is_given": True}
-            super().__init__(programs, GIVEN, **how)
-            self.plan["contents"] = contents
+            super().__init__(programs, GIVEN, has_commands=False, is_stepped=False, contents=contents)
 
     def begin(self, number: int) -> None:
         super().begin(number)

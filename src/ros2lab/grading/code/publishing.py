@@ -1,19 +1,16 @@
-"""What code that runs does with a publisher: whether it publishes its type, repeatedly, and how often."""
+"""What code that runs does with a publisher: whether it publishes, and repeatedly."""
 
 from __future__ import annotations
 
 import ast
-import math
+import functools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 from ros2lab.diagnose.sources.interfaces import is_interface, node_members
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
-from ros2lab.grading.code.cases import Given, text_of
-from ros2lab.grading.code.own_messages import Messages
-from ros2lab.grading.code.possible import Possible, Values
 
 # What calls a function that it is given only once; anything else may call it repeatedly.
 _CALLS_ONCE = frozenset(
@@ -34,20 +31,16 @@ class Rhythm:
 
     Attributes:
         repeats: whether it is published repeatedly.
-        paces: the periods of the timers that publish it, in s; None if anything else does, or a period is not
-            known.
         begins: whether it is published as soon as the program runs, before anything calls back, and whatever holds.
     """
 
     repeats: bool = False
-    paces: set[float] | None = field(default_factory=set)
     begins: bool = False
 
     def add(self, other: Rhythm) -> None:
         """Add the rhythm of another place that publishes."""
         self.repeats |= other.repeats
         self.begins |= other.begins
-        self.paces = None if self.paces is None or other.paces is None else self.paces | other.paces
 
 
 class Publishing:
@@ -56,18 +49,19 @@ class Publishing:
     Args:
         sources: the files.
         code: the code that runs while a program lives.
-        messages: what is known of messages.
     """
 
-    def __init__(self, sources: NodeSources, code: frozenset[ast.AST], messages: Messages) -> None:
+    def __init__(self, sources: NodeSources, code: frozenset[ast.AST]) -> None:
         self._sources = sources
         self._code = code
-        self._messages = messages
-        self._possible = Possible(sources, code, messages)
-        self._declared = Possible(sources, code, messages, as_declared=True)
+        self._scopes = {
+            node: (source, owner, function)
+            for source in sources.sources.values()
+            for owner, function, node in sources.scoped(source)
+        }
 
     def uses(self, creation: Creation) -> list[ast.Call] | None:
-        """Return the calls that publish a publisher's type; None if not all uses can be followed."""
+        """Return the calls that publish with a publisher; None if not all uses can be followed."""
         if not self._is_publish_named:
             return []
         found = list[ast.Call]()
@@ -86,8 +80,7 @@ class Publishing:
                     return None
                 else:
                     waiting += self._kept(load)
-        kind = self._sources.resolve(creation.source, creation.given("msg_type")) or ""
-        return [call for call in found if self._is_of(kind, call)]
+        return found
 
     def rhythm(self, uses: Sequence[ast.Call]) -> Rhythm:
         """Return how often these calls are made."""
@@ -95,26 +88,6 @@ class Publishing:
         for call in uses:
             found.add(self._of_place(call, ()))
         return found
-
-    def is_finite(self, creation: Creation) -> bool:
-        """Return whether each number in the messages may be finite, by what is assigned to it."""
-        kind = self._sources.resolve(creation.source, creation.given("msg_type")) or ""
-        given: dict[str, Values] = {}
-        for node in self._code:
-            match node:
-                case ast.Assign(targets=[ast.Attribute() as target], value=value) if self._holds_number(
-                    kind, target
-                ):
-                    where = f"{text_of(target)} of {id(self._scope(target)[2])}"
-                    given[where] = given.get(where, frozenset()) | self._possible.values(value)
-                case ast.Call(keywords=keywords) if is_interface(made := self._made(node)):
-                    fields = self._messages.fields_of(made) or {}
-                    given |= {
-                        f"{keyword.arg} in {id(node)}": self._possible.values(keyword.value)
-                        for keyword in keywords
-                        if fields.get(keyword.arg or "") in ("double", "float")
-                    }
-        return not any(values and all(map(_is_endless, values)) for values in given.values())
 
     def is_always_same(self, uses: Sequence[ast.Call]) -> bool:
         """Return whether these calls publish nothing but one message, with the same constants in it."""
@@ -190,7 +163,7 @@ class Publishing:
         }
 
     def _scope(self, node: ast.AST) -> tuple[PythonSource | None, NodeClass | None, Function | None]:
-        return self._possible.scopes.get(node, (None, None, None))
+        return self._scopes.get(node, (None, None, None))
 
     def _kept(self, node: ast.AST) -> list[ast.expr]:
         """Return the targets to which a node's value is assigned."""
@@ -258,14 +231,6 @@ class Publishing:
                 return call if isinstance(call, ast.Call) and call.func is told else None
         return None
 
-    def _is_of(self, kind: str, call: ast.Call) -> bool:
-        """Return whether a call may publish a message of this type, and no text, number or other message."""
-        values = self._possible.values(call.args[0]) if call.args else ()
-        return not values or any(
-            isinstance(value, Given) and (value.kind == kind or not (is_interface(kind) and value.kind))
-            for value in values
-        )
-
     # --- how often --------------------------------------------------------------------------------------
 
     def _of_place(self, node: ast.AST, below: tuple[ast.AST, ...]) -> Rhythm:
@@ -287,7 +252,7 @@ class Publishing:
         elif outer is not None:
             found = self._of_handed(outer, below)
         found.begins &= not waits and (outer is None or passed.isdisjoint(_CHOICES))
-        return found if passed.isdisjoint(_REPEATS) else Rhythm(True, None, found.begins)
+        return found if passed.isdisjoint(_REPEATS) else Rhythm(True, found.begins)
 
     def _waits_before(self, node: ast.AST) -> bool:
         """Return whether a statement before this one, in the same block, may wait."""
@@ -296,7 +261,7 @@ class Publishing:
 
     def _of_function(self, function: Function, below: tuple[ast.AST, ...]) -> Rhythm:
         if function in below or self._is_called_by_others(function):
-            return Rhythm(True, None)
+            return Rhythm(True)
         owner = self._scope(function)[1]
         name = owner.definition.name if owner and function.name == "__init__" else function.name
         users = [node for node in self._code if name_read(node) == name]
@@ -325,34 +290,13 @@ class Publishing:
         if isinstance(outer, ast.ClassDef):  # a base class
             return Rhythm()
         if not isinstance(outer, ast.Call):
-            return Rhythm(True, None)
+            return Rhythm(True)
         name = name_read(outer.func)
         if name in _BINDS:
             return self._of_handed(outer, below)
         if name in _CALLS_ONCE:
             return self._of_place(outer, below)
-        if name != "create_timer":
-            return Rhythm(True, None)
-        given = {keyword.arg: keyword.value for keyword in outer.keywords}
-        values = self._declared.values(given.get("timer_period_sec") or next(iter(outer.args), None))
-        numbers = [float(value) for value in values if isinstance(value, (int, float))]
-        return Rhythm(True, {*numbers} if len(numbers) == len(values) else None)
-
-    # --- what it holds ----------------------------------------------------------------------------------
-
-    def _holds_number(self, kind: str, target: ast.Attribute) -> bool:
-        """Return whether an assignment's target is a float field in a message of this type."""
-        root: ast.expr = target
-        while isinstance(root, ast.Attribute) and not is_self_attribute(root):
-            root = root.value
-        if Given(kind) not in self._possible.values(root):
-            return False
-        inner = self._possible.values(target.value)
-        kinds = {value.kind for value in inner if isinstance(value, Given)}
-        return any(
-            (self._messages.fields_of(message_type) or {}).get(target.attr) in ("double", "float")
-            for message_type in kinds
-        )
+        return Rhythm(True)
 
     def _made(self, call: ast.Call) -> str:
         source = self._scope(call)[0]
@@ -371,6 +315,15 @@ class Publishing:
         for _, value in ast.iter_fields(self._parents.get(statement, statement)):
             if isinstance(value, list):
                 yield value
+
+
+@functools.lru_cache(maxsize=10_000)
+def text_of(node: ast.AST) -> str:
+    """Return the source text of a node; a unique label if Python cannot write it for a long number."""
+    try:
+        return ast.unparse(node)
+    except ValueError:
+        return f"#{id(node)}"
 
 
 def name_read(node: ast.AST) -> str:
@@ -400,7 +353,3 @@ def _destroys(node: ast.AST, names: set[str]) -> bool:
 def _lets_come(statement: ast.AST, verbs: tuple[str, ...] = (*_WAITS, "publish")) -> bool:
     """Return whether anything may be received or published in a statement, by the verbs in the names that it uses."""
     return any(name_read(node).startswith(verbs) for node in walk(statement))
-
-
-def _is_endless(value: object) -> bool:
-    return isinstance(value, float) and not math.isfinite(value)

@@ -4,7 +4,7 @@ Code is taken to run unless something obvious prevents it: nothing names the fun
 closes the branch, the statement before it leaves. Where names are made at run time, any function may be
 called.
 
-While a program lives, less of it runs: what names may hold closes branches, too, and nothing follows a spin.
+While a program lives, less of it runs: nothing follows a spin, or a line with a name that nothing defines.
 """
 
 from __future__ import annotations
@@ -16,15 +16,9 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.made_unseen import looks_up
-from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, last_name, walk
-from ros2lab.grading.code.entering import entering
-from ros2lab.grading.code.failing import Failing
-from ros2lab.grading.code.own_messages import Messages
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
 from ros2lab.grading.code.paths import Paths
-from ros2lab.grading.code.possible import Facts, Possible
 
-MOST_ROUNDS = 12  # in each, code found to run assigns values that may let more code run
 # Expressions all of whose parts are evaluated, and what these are marked with.
 _WHOLE = (
     ast.Name, ast.Attribute, ast.Constant, ast.Call, ast.BinOp, ast.UnaryOp, ast.Compare, ast.Subscript, ast.List,
@@ -35,38 +29,11 @@ Definition = Function | ast.ClassDef | ast.Dict
 Code = Collection[tuple[PythonSource, ast.AST]]  # nodes of code that runs, each with its file
 
 
-def living(
-    sources: NodeSources,
-    entrances: Collection[str] | None = None,
-    messages: Messages | None = None,
-    vain: Collection[str] = (),
-) -> frozenset[ast.AST]:
-    """Return the nodes of code that runs while a program lives, by what names may hold.
-
-    Args:
-        sources: the modules of a package.
-        entrances: as for `running`.
-        messages: what is known of messages, if the submission has its own.
-        vain: the places of functions, classes and statements that do nothing.
-    """
-    messages = messages or Messages()
-    files, code = [*sources.sources.values()], frozenset[ast.AST]()
-    all_code = frozenset(node for _, node in running(files, entrances))
-    failing = Failing(sources, all_code, Possible(sources, all_code, messages))
-    for _ in range(MOST_ROUNDS):
-        possible = Possible(sources, code, messages)
-        more = code.union(node for _, node in running(files, entrances, possible, failing, vain))
-        if more == code:
-            return code
-        code = more
-    return all_code
-
-
 def running(
     sources: Collection[PythonSource],
     entrances: Collection[str] | None = None,
-    possible: Possible | None = None,
-    failing: Failing | None = None,
+    *,
+    is_living: bool = False,
     vain: Collection[str] = (),
 ) -> Iterator[tuple[PythonSource, ast.AST]]:
     """Yield the nodes of code that runs, each with its file.
@@ -75,12 +42,10 @@ def running(
         sources: the modules of a package.
         entrances: the functions that its entry points name; None takes every module-level function that needs
             no arguments.
-        possible: what names may hold; if given, only code that runs while a program lives is yielded.
-        failing: what fails whenever it is reached; nothing after it is yielded.
-        vain: as for `living`.
+        is_living: whether only code that runs while a program lives is yielded.
+        vain: the places of functions, classes and statements that do nothing.
     """
-    paths = Paths(sources, possible, failing, vain)
-    sources = _importable(sources, failing)
+    paths = Paths(is_living=is_living, vain=vain)
     named = _definitions(sources)
     defined = [(source, n) for source in sources for n in source.nodes if isinstance(n, ast.ClassDef)]
     classes = {definition.name for _, definition in defined}
@@ -91,11 +56,7 @@ def running(
         for part in source.tree.body
         if _is_entrance(source, part, entrances)
     ]
-    done, entered = set[ast.AST](), dict[ast.AST, Facts]()
-    # What may begin by itself, whatever holds.
-    free = {piece for _, piece in waiting}
-    free.update(*(_called_by_others(source, definition, classes) for source, definition in defined))
-    is_by_name = any(looks_up(node) for source in sources for node in source.nodes)
+    done = set[ast.AST]()
     while waiting:
         source, piece = waiting.pop()
         if piece in done or paths.is_vain(source, piece):
@@ -103,32 +64,13 @@ def running(
         done.add(piece)
         if isinstance(piece, ast.ClassDef):
             waiting += [(source, method) for method in _called_by_others(source, piece, classes)]
-        for node, facts in _pieces(paths, source, piece, entered.get(piece, ())):
+        for node in _pieces(paths, source, piece):
             yield source, node
-            if possible is not None and not is_by_name and isinstance(node, ast.Call):
-                begun = (called for _, called in named.get(last_name(node.func), ()) if called not in free)
-                entered |= {
-                    called: entering(possible, called, node, facts)
-                    for called in begun
-                    if isinstance(called, ast.FunctionDef)
-                }
             for name in _names_in(node):
                 waiting += named.pop(name, ())
             if looks_up(node):
                 waiting += [definition for found in named.values() for definition in found]
                 named.clear()
-
-
-def _importable(sources: Collection[PythonSource], failing: Failing | None) -> Collection[PythonSource]:
-    """Return the modules that can be imported: the others never begin."""
-    if failing is None:
-        return sources
-    fails = failing.fails
-    return [
-        source
-        for source in sources
-        if not any(isinstance(n, ast.ImportFrom) and fails(source, n) for n in source.tree.body)
-    ]
 
 
 def _definitions(sources: Collection[PythonSource]) -> dict[str, list[tuple[PythonSource, Definition]]]:
@@ -179,25 +121,16 @@ def _is_entrance(source: PythonSource, statement: ast.stmt, entrances: Collectio
     return False
 
 
-def _pieces(
-    paths: Paths, source: PythonSource, piece: ast.AST, entered: Facts
-) -> Iterator[tuple[ast.AST, Facts]]:
-    """Yield the nodes that run with a piece of code, with the facts that hold there; no undecorated definitions or named dictionaries.
-
-    Args:
-        paths: the paths through it.
-        source: its file.
-        piece: the piece.
-        entered: the facts that hold where it begins.
-    """
-    waiting: list[tuple[ast.AST, Facts]] = [(piece, entered)]
+def _pieces(paths: Paths, source: PythonSource, piece: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes that run with a piece of code; no undecorated definitions or named dictionaries."""
+    waiting = [piece]
     while waiting:
-        node, facts = waiting.pop()
+        node = waiting.pop()
         if whole := _whole(node):
-            yield from ((part, facts) for part in whole)
+            yield from whole
             continue
-        yield node, facts
-        for inner, known in paths.reached(source, node, facts):
+        yield node
+        for inner in paths.reached(source, node):
             match inner:
                 case (
                     ast.FunctionDef(decorator_list=[])
@@ -207,10 +140,8 @@ def _pieces(
                     pass
                 case ast.Assign(targets=[ast.Name()], value=ast.Dict()):
                     pass
-                case ast.FunctionDef() | ast.AsyncFunctionDef() | ast.Lambda():
-                    waiting.append((inner, ()))
                 case _:
-                    waiting.append((inner, known))
+                    waiting.append(inner)
 
 
 def _whole(node: ast.AST) -> tuple[ast.AST, ...]:

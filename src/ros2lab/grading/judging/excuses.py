@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Collection, Sequence
 from pathlib import PurePosixPath
 from typing import NamedTuple
 
 from ros2lab.assignments import Part
 from ros2lab.diagnose.finding import Finding
-from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, WrittenEnd
-from ros2lab.grading.judging.player import PLAIN_SETTINGS, Player, is_for_want, lacked, of_one_node
+from ros2lab.grading.evidence import GIVEN, KEYBOARD, Executable, Run, WrittenEnd
+from ros2lab.grading.judging.player import Player, is_for_want, lacked, of_one_node
 from ros2lab.grading.judging.players import Case
-from ros2lab.grading.reading.deeds import CLAUSES, FINITE, PACED, PUBLISHES, READS, REPEATS
-from ros2lab.rhythm import has_period
+from ros2lab.grading.reading.deeds import CLAUSES, PUBLISHES, READS, REPEATS
+from ros2lab.observed_domain import TEXTS
 
 # What fails, or does nothing, wherever it runs.
 _FAILS = frozenset(
@@ -28,6 +29,11 @@ _FAILS = frozenset(
         "publish-type",
         "publisher-method",
     )
+)
+# The error of a value, at the end of what a program says: another value might have been right.
+_OF_VALUES = re.compile(
+    r"^(?:[\w.]*\.)?(?:ValueError|KeyError|IndexError|\w*Decode\w*Error|SyntaxError|ZeroDivisionError)\b",
+    re.MULTILINE,
 )
 
 
@@ -70,14 +76,14 @@ def unused(case: Case, part: Part) -> str:
 
 
 def sent_once(case: Case, part: Part) -> str:
-    """Return a clause if code publishes finite numbers with a part's publisher only once, or hangs with it; else empty."""
+    """Return a clause if code publishes with a part's publisher only once, or hangs with it; else empty."""
     players = of_one_node(case.players[part.name], case.main(part))
     ends = [end for player in players for end in _ends(case, player)]
-    is_finite = all(PUBLISHES in (end.does or ()) and FINITE not in end.never for end in ends)
-    if ends and is_finite and all(REPEATS in end.never for end in ends):
+    is_used = bool(ends) and all(PUBLISHES in (end.does or ()) for end in ends)
+    if is_used and all(REPEATS in end.never for end in ends):
         return "the code publishes only once"
     hangs = all(player.end is None for player in players) and all(end.begins for end in ends)
-    return "the code publishes at its start and hangs" if ends and is_finite and hangs else ""
+    return "the code publishes at its start and hangs" if is_used and hangs else ""
 
 
 def _uses(part: Part) -> tuple[str, ...]:
@@ -128,18 +134,38 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> Excuse:
     late = [player.run.unfinished for player in players]
     if is_mute and late and all(late):
         return Excuse(late[0])
-    given = _given(case, part)
+    return Excuse(_not_given(case, part, players) if is_mute and part.end != "service" else "")
+
+
+def _not_given(case: Case, part: Part, players: Sequence[Player]) -> str:
+    """Return a clause if what a part's node may wait for could not be given; empty if it was, or nobody waits."""
+    runs = [run for run in case.evidence.runs if run.setting == GIVEN]
+    everybody = of_one_node(case.players[part.name], case.main(part))
+    if any(player.is_heard for player in everybody if player.run.setting == GIVEN):
+        return ""
+    missing = {name for run in runs for name in (run.ungiven if run.gave or run.ungiven else run.given)}
     if part.end == "subscription":  # it takes itself what opens it
-        taken = {
-            topic
-            for player in players
-            for topic, nodes in player.run.subscribes.items()
-            if player.node in nodes
-        }
-        given = [topic for topic in given if topic in taken]
-    if is_mute and part.end != "service" and given:
-        return Excuse(f"{players[0].node} waits for what nobody here brings on {', '.join(given)}")
-    return Excuse()
+        missing &= {topic for player in players for topic in _taken(player.run, {player.node})}
+    if missing:
+        return f"{players[0].node} waits for what nobody here brings on {', '.join(sorted(missing))}"
+    ended = (_ended_by_text(run, players) for run in runs)
+    late = (run.unfinished for run in runs if not run.meanwhile)
+    return next(filter(None, (*ended, *late)), "")
+
+
+def _ended_by_text(run: Run, players: Sequence[Player]) -> str:
+    """Return a clause if a made-up text ended a player's program: a text may be read as anything."""
+    for player in players:
+        said = run.ended.get(player.program, "")
+        texts = {topic for topic in _taken(run, {*player.run.nodes}) if run.gave.get(topic) == TEXTS}
+        if texts and _OF_VALUES.search(said):
+            return f"{player.program} ended with a made-up text, and nobody here brings any other on {', '.join(sorted(texts))}"
+    return ""
+
+
+def _taken(run: Run, nodes: Collection[str]) -> set[str]:
+    """Return the topics to which some nodes subscribe in a run."""
+    return {topic for topic, by in run.subscribes.items() if not by.keys().isdisjoint(nodes)}
 
 
 def _needs(case: Case, part: Part, player: Player, *, is_mute: bool) -> str:
@@ -171,7 +197,7 @@ def _does(case: Case, player: Player, needed: Collection[str]) -> set[str] | Non
     ends = _ends(case, player)
     if not ends or any(end.does is None for end in ends):
         return None
-    return {deed for end in ends for deed in _done_with(case, player, end, needed)}
+    return {deed for end in ends for deed in _done_with(end, needed)}
 
 
 def _ends(case: Case, player: Player) -> list[WrittenEnd]:
@@ -187,51 +213,15 @@ def _ends(case: Case, player: Player) -> list[WrittenEnd]:
     return [end for end in ends if end.topic == player.topic] or [end for end in ends if not end.topic]
 
 
-def _done_with(case: Case, player: Player, end: WrittenEnd, needed: Collection[str]) -> set[str]:
+def _done_with(end: WrittenEnd, needed: Collection[str]) -> set[str]:
     """Return the deeds that code may do with an end: those that it does, and those needed that it may do."""
     does = {*(end.does or ())}
     if PUBLISHES not in does:
         return does
-    does |= {*needed} - {*end.never}
-    if _is_slow(case, player, end):
-        does -= {PACED}
-    return does
-
-
-def _is_slow(case: Case, player: Player, end: WrittenEnd) -> bool:
-    """Return whether an end's timers are slower than the assignment asks, and no parameter changes that."""
-    wanted = player.part.period
-    if not (wanted and end.paces) or min(end.paces) < wanted or has_period(min(end.paces), wanted):
-        return False
-    held = [
-        {name: value for name, value in run.parameters[player.node].items() if type(value) in (int, float)}
-        for run in case.evidence.runs
-        if run.setting in PLAIN_SETTINGS and player.node in run.parameters
-    ]
-    # If the node never appeared, nobody knows what a launch file would give it.
-    return all(values == held[0] for values in held) if held else not case.evidence.files.parameter_files
+    return does | ({*needed} - {*end.never})
 
 
 def _absent(case: Case, program: Executable) -> list[str]:
     """Return what a program lacks, except a keyboard if the grader typed for it."""
     is_typed = any(run.typed and program.name in run.programs for run in case.evidence.runs)
     return [name for name in program.absent if name != KEYBOARD or not is_typed]
-
-
-def _given(case: Case, part: Part) -> list[str]:
-    """Return the topics and services that were given values, except of types that the work should provide.
-
-    Empty, too, if every possible value was given and the part still did nothing.
-    """
-    own = {part.type_name for part in case.assignment.parts.values()}
-    given: dict[str, set[str]] = {}
-    runs = [run for run in case.evidence.runs if run.setting == GIVEN]
-    for run in runs:
-        for name in run.given:
-            types = (kind for kinds in run.subscribes.get(name, {}).values() for kind in kinds)
-            given.setdefault(name, set()).update(types)
-    foreign = sorted(name for name, types in given.items() if own.isdisjoint(types))
-    everybody = of_one_node(case.players[part.name], case.main(part))
-    is_opened = any(player.is_heard for player in everybody if player.run.setting == GIVEN)
-    is_tried = len(runs) > 1 and not is_opened and all({*foreign} <= {*run.tried} for run in runs)
-    return [] if is_tried else foreign

@@ -35,10 +35,13 @@ def quiet_times(player: Player) -> list[float]:
 def gaps_of(player: Player) -> list[float]:
     """Return the times between the messages of a whole run, in s.
 
-    Empty if at most one message came after each command: then the rhythm is that of the commands.
+    Empty if at most one message came after each command: then the rhythm is that of the commands. What came while
+    something was given has the rhythm of that.
     """
-    is_own = quiet_times(player) or any(heard.count > 1 for heard in player.heard)
-    return gaps_apart([time for heard in player.heard for time in heard.times]) if is_own else []
+    given = player.run.meanwhile.get(player.topic)
+    own = [heard for heard in player.heard if heard is not given]
+    is_own = quiet_times(player) or any(heard.count > 1 for heard in own)
+    return gaps_apart([time for heard in own for time in heard.times]) if is_own else []
 
 
 def is_changed(before: Run, after: Run) -> bool:

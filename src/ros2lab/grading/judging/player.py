@@ -162,6 +162,7 @@ class Player:
             if self._hands_on
             else [
                 (f"{place}.quiet", run.quiet),
+                (f"{place}.meanwhile", run.meanwhile),
                 *((f"{place}.calls[{n}].topics", call.topics) for n, call in enumerate(run.calls)),
                 *(
                     (f"{place}.commands[{n}].topics", command.topics)
@@ -177,8 +178,13 @@ class Player:
 
     @property
     def _hands_on(self) -> bool:
-        """Whether its node was given messages of its part's type, or says the words that it takes and nothing else."""
+        """Whether its node says what it was given, or the words that it takes, and nothing else.
+
+        Of older evidence it is not known what was given: there, messages of its part's type are enough.
+        """
         run, topic = self.run, self.topic
+        if run.gave:
+            return topic in run.handed_on
         taken = (run.subscribes.get(name, {}).get(self.node, ()) for name in run.given)
         if self.part.is_publisher and any(self.part.type_name in types for types in taken):
             return True
@@ -208,6 +214,11 @@ class Player:
         if not self.part.is_publisher:
             return any(command.log or command.topics or command.parameters for command in self.commands)
         return any(heard.count for heard in self.heard)
+
+    @property
+    def is_fit_after_given(self) -> bool:
+        """Whether what came in a run in which something was given is its own: what it publishes, or a later reaction."""
+        return self.part.is_publisher or bool(self.run.gave and not self.run.ended)
 
     @property
     def is_idle(self) -> bool:
@@ -277,17 +288,22 @@ def on_one_topic(players: Iterable[Player]) -> Iterator[Player]:
 
 
 def without_given(players: list[Player]) -> list[Player]:
-    """Return the players without those of runs in which messages were given, if one as right works without these.
+    """Return the players without those of runs in which something was given, if one as right works without that.
 
-    Of the players in such runs only publishers count: a given message is no reaction.
+    Those that take something count only where none reacted alone, and no program ended by what it was given.
     """
-    alone = (player for player in players if player.run.setting != GIVEN and player.is_heard)
+    usual = [player for player in players if player.run.setting != GIVEN]
+    alone = (
+        player
+        for player in usual
+        if player.is_heard and (player.part.is_publisher or player.run.setting == "alone")
+    )
     best = min((MATCHES.index(player.match) for player in alone), default=len(MATCHES))
     return [
         player
         for player in players
         if player.run.setting != GIVEN
-        or (player.part.is_publisher and player.is_heard and MATCHES.index(player.match) < best)
+        or (player.is_heard and player.is_fit_after_given and MATCHES.index(player.match) < best)
     ]
 
 

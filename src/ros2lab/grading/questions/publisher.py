@@ -15,7 +15,7 @@ from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.grading.questions.commands import FLOOD
-from ros2lab.grading.reading.deeds import FINITE, PACED, READS, REPEATS, VARIES
+from ros2lab.grading.reading.deeds import READS, REPEATS, VARIES
 from ros2lab.grading.senses import is_velocity, numbers_in, seen
 from ros2lab.rhythm import distance, has_period, is_uneven, rounded
 
@@ -31,7 +31,7 @@ TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
     ("publisher",),
     needs="period",
     mute="once silent",
-    deeds=f"{REPEATS} {PACED}",
+    deeds=REPEATS,
     tells="right close",
 )
 def has_its_period(case: Case, part: Part) -> Answer:
@@ -42,7 +42,8 @@ def has_its_period(case: Case, part: Part) -> Answer:
         is_written = end and any(has_period(period, part.period) for period in end.periods)
         level = "written" if is_written else "missing"
         return Answer(level, {"period": "", "topic": ""}, ("runs", "files.ends"))
-    heard = [player for player in everybody if player.is_heard and player.run.setting != GIVEN]
+    heard = [player for player in everybody if player.is_heard]
+    heard = [player for player in heard if player.run.setting != GIVEN] or heard
     players = [player for player in heard if case.counts(player) and not _is_other(case, player)]
     found = [(player, period) for player in players if (period := period_of(player)) is not None]
     if not found:
@@ -107,6 +108,7 @@ def comes_again(case: Case, part: Part) -> Answer:
         is_echo = _is_echo(everybody) and not _may_change(case, everybody)
         level = "echoed" if is_echo or any(_is_at_random(case, player) for player in everybody) else "changed"
     keys = [best.quiet_key] if best.topic in best.run.quiet else []
+    keys += [f"runs[{best.number}].meanwhile.{best.topic}"] * (best.topic in best.run.meanwhile)
     keys += [
         f"runs[{best.number}].commands[{number}].topics.{best.topic}"
         for number, command in enumerate(best.run.commands)
@@ -118,7 +120,7 @@ def comes_again(case: Case, part: Part) -> Answer:
 def _comes_by_itself(player: Player) -> bool:
     """Return whether several messages came before any command or request, or after a single one."""
     run, topic = player.run, player.topic
-    stretches = [run.quiet, *(call.topics for call in run.calls), *_after_words(run)]
+    stretches = [run.quiet, run.meanwhile, *(call.topics for call in run.calls), *_after_words(run)]
     return any(topic in topics and topics[topic].count > 1 for topics in stretches)
 
 
@@ -210,7 +212,6 @@ def comes_when_it_should(case: Case, part: Part) -> Answer:
     nodes.CODES,
     ("publisher",),
     mute="sent_once no_numbers silent",
-    deeds=FINITE,
 )
 def has_finite_numbers(case: Case, part: Part) -> Answer:
     """Whether all numbers in the messages are finite, and none is an int in a float field.
@@ -236,9 +237,11 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
     ]
     level = "right" if numbers else "no_numbers"
     key = player.quiet_key if player.topic in player.run.quiet else player.key
-    wrong = next((entry for entry in numbers if not _is_usable(entry[-1])), None)
-    if wrong is not None:
-        key, name, number = wrong
+    wrong = [entry for entry in numbers if not _is_usable(entry[-1])]
+    # What comes of made-up numbers only now and then may never come.
+    is_of_given = player.run.setting == GIVEN and 2 * len(wrong) < len(numbers)
+    if wrong and not is_of_given:
+        key, name, number = wrong[0]
         level = "tiny" if math.isfinite(number) else "not_finite"
         seen |= {"value": f"{number:.3g}", "field": shown(name)}
     if player.run.refused:

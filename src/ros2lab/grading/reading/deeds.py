@@ -1,6 +1,6 @@
-"""What running code would do with an end of a topic if nothing kept it from that, as far as reading tells.
+"""What running code does with an end of a topic, as far as its names tell.
 
-What could not be tried during grading is excused only if the code would do it.
+What cannot be given during grading, such as a package that is not installed, is excused only if the code has it.
 """
 
 from __future__ import annotations
@@ -11,23 +11,21 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import cached_property
 
+from ros2lab.diagnose.sources.interfaces import fields_of
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes
-from ros2lab.grading.code.own_messages import Messages
 from ros2lab.grading.code.publishing import Publishing, name_read
 from ros2lab.grading.evidence import WrittenEnd
 
-# What code does with a publisher: publish, again and again, finite numbers, in time. With a subscription:
-# read the messages, log something now and then, name all of the commands.
-PUBLISHES, REPEATS, FINITE, PACED = "publishes", "repeats", "finite", "paced"
+# What code does with a publisher: publish, again and again. With a subscription: read the messages, log something
+# now and then, name all of the commands.
+PUBLISHES, REPEATS = "publishes", "repeats"
 VARIES = "varies"  # publish now this and now that
 READS, LOGS, COMPARES = "reads", "logs", "compares"
 # What a line of code would have to do, as a clause.
 CLAUSES = {
     PUBLISHES: "publishes there",
     REPEATS: "publishes there again and again",
-    FINITE: "puts finite numbers there",
-    PACED: "publishes there as often as is asked for",
     READS: "looks at what comes there",
     LOGS: "logs what comes",
     COMPARES: "names all of the commands",
@@ -44,24 +42,16 @@ class Deeds:
         sources: the files.
         code: the nodes that run while a program lives.
         words: the commands that a subscription may receive.
-        messages: what is known of messages, if the submission has its own.
     """
 
-    def __init__(
-        self,
-        sources: NodeSources,
-        code: frozenset[ast.AST],
-        words: Collection[str],
-        messages: Messages | None = None,
-    ) -> None:
-        self._messages = messages or Messages()
+    def __init__(self, sources: NodeSources, code: frozenset[ast.AST], words: Collection[str]) -> None:
         self._sources = sources
         self._code = code
         self._words = words
-        self._publishing = Publishing(sources, code, self._messages)
+        self._publishing = Publishing(sources, code)
 
     def entered(self, end: WrittenEnd, creation: Creation) -> WrittenEnd:
-        """Return an end with what is done and never done with what a call creates, and timers' periods."""
+        """Return an end with what is done and never done with what a call creates."""
         if self._publishing.is_destroyed(creation):
             return replace(end, does=[])
         if not end.is_publisher:
@@ -70,16 +60,11 @@ class Deeds:
         if uses is None:
             return replace(end, does=[PUBLISHES])
         rhythm = self._publishing.rhythm(uses)
-        never = {
-            REPEATS: not rhythm.repeats,
-            FINITE: not self._publishing.is_finite(creation),
-            VARIES: self._publishing.is_always_same(uses),
-        }
+        never = {REPEATS: not rhythm.repeats, VARIES: self._publishing.is_always_same(uses)}
         return replace(
             end,
             does=[PUBLISHES] if uses else [],
             never=[deed for deed, is_never in never.items() if uses and is_never],
-            paces=sorted(rhythm.paces or ()),
             begins=rhythm.begins,
         )
 
@@ -93,7 +78,7 @@ class Deeds:
         One that is not known does if any line reads a field of such a message.
         """
         kind = self._sources.resolve(creation.source, creation.given("msg_type"))
-        fields = self._messages.fields_of(kind)
+        fields = fields_of(kind)
         given = creation.given("callback")
         function = given if isinstance(given, ast.Lambda) else self._sources.function_of(creation, given)
         if function is None:

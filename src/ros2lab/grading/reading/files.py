@@ -26,8 +26,8 @@ from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_par
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.code.branches import branches
 from ros2lab.grading.code.compared import compared
+from ros2lab.grading.code.contents import contents_of
 from ros2lab.grading.code.dependence import depended_on
-from ros2lab.grading.code.own_messages import Messages, own_messages
 from ros2lab.grading.code.running import Code, idle, running
 from ros2lab.grading.code.vain_handlers import VainHandlers
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
@@ -178,6 +178,7 @@ class _PackageReader:
             "ends_elsewhere": lambda: ends_elsewhere(
                 root, self.paths, self.sources, itertools.chain(*self.ends)
             ),
+            "contents": lambda: contents_of(self.mended),
             "declared": lambda: {
                 name: value for package in reversed(graded) for name, value in _declared(package).items()
             },
@@ -220,12 +221,6 @@ class _PackageReader:
         return [*running(self.mended, self.entrances)]
 
     @cached_property
-    def messages(self) -> Messages:
-        """What is known of messages, with those that the submission defines."""
-        named = ((found.name, self.root / found.folder) for found in self.submission.packages if found.name)
-        return own_messages(named)
-
-    @cached_property
     def ends(self) -> _Ends:
         return self._ends_in(self.mended)
 
@@ -237,7 +232,7 @@ class _PackageReader:
         return findings_of(self.root, self.submission, self.graded)
 
     def _ends_in(self, sources: Sequence[PythonSource], vain: Collection[str] = ()) -> _Ends:
-        return written_ends(sources, self.entrances, self.words, self.messages, vain)
+        return written_ends(sources, self.entrances, self.words, vain)
 
     @cached_property
     def _tests(self) -> tuple[dict[str, int], dict[str, str]]:
@@ -267,6 +262,7 @@ def _loose(
         "compared": lambda: compared(node for _, node in running(whole())),
         "depended_on": lambda: depended_on(whole(), [*running(whole())]),
         "branches": lambda: branches(whole(), [*running(whole())], words, findings()),
+        "contents": lambda: contents_of(whole()),
         "ends": ends,
         "ends_left": lambda: ends_left(
             ends(), findings(), lambda vain: written_ends(whole(), words=words, vain=vain)[0]

@@ -20,13 +20,23 @@ from ros2lab.grading.evidence import Evidence, Files
 OF_CODE = (
     *("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded", "tests", "handlers"),
     *("compared", "depended_on", "idle", "ends", "ends_elsewhere", "declared", "findings"),
-    *("branches", "ends_meant", "ends_left"),
+    *("branches", "ends_meant", "ends_left", "contents"),
 )
 # Of these, what each file adds its share to: where some of the code was read, its share stands for all.
 OF_EACH_FILE = frozenset(("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded"))
 # What only helps to find a node, or to believe it: what a node does is seen all the same.
 _SEEN_RUNNING = frozenset(
-    ("ends", "ends_meant", "ends_left", "ends_elsewhere", "findings", "compared", "declared", "idle")
+    (
+        "ends",
+        "ends_meant",
+        "ends_left",
+        "ends_elsewhere",
+        "findings",
+        "compared",
+        "declared",
+        "idle",
+        "contents",
+    )
 )
 Tell = Callable[[str, Any], None]
 _Said = TypeVar("_Said")

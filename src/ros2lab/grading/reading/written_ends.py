@@ -14,8 +14,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.topic_faults import ends_of, timers_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource
-from ros2lab.grading.code.own_messages import Messages
-from ros2lab.grading.code.running import living, running
+from ros2lab.grading.code.running import running
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.reading.deeds import Deeds
 from ros2lab.grading.reading.documents import is_prose
@@ -37,7 +36,6 @@ def written_ends(
     files: Iterable[PythonSource],
     entrances: Collection[str] | None = None,
     words: Collection[str] = (),
-    messages: Messages | None = None,
     vain: Collection[str] = (),
 ) -> tuple[list[WrittenEnd], list[WrittenEnd]]:
     """Return the publishers and subscriptions that some files make; an unknown topic is empty.
@@ -46,7 +44,6 @@ def written_ends(
         files: the modules.
         entrances: as for `running`.
         words: the commands of the assignment.
-        messages: what is known of messages, if the submission has its own.
         vain: the places of what does nothing.
 
     Returns:
@@ -58,10 +55,8 @@ def written_ends(
     except RecursionError:
         return [], []
     code = [*running([*sources.sources.values()], entrances)]
-    run, deeds = (
-        {node for _, node in code},
-        Deeds(sources, living(sources, entrances, messages, vain), words, messages),
-    )
+    alive = running([*sources.sources.values()], entrances, is_living=True, vain=vain)
+    run, deeds = {node for _, node in code}, Deeds(sources, frozenset(node for _, node in alive), words)
     found: dict[bool, list[WrittenEnd]] = {True: [], False: []}
     for creation in sources.creations:
         if creation.method not in _MAKERS:

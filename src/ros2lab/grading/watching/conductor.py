@@ -18,7 +18,6 @@ from ros2lab.grading.watching.given import Given
 from ros2lab.grading.watching.quiet import STEP, Quiet, silent_after, too_little
 from ros2lab.grading.watching.script import FLOOD, Script
 from ros2lab.grading.watching.service_calls import call_services
-from ros2lab.grading.watching.varied import Varied
 from ros2lab.grading.watching.watch import ANSWER_TIMEOUT, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
@@ -47,9 +46,9 @@ class Conductor:
         plan: `run` (its number), `domain`, `seconds` (its time limit), `programs` (how many), `nodes` (how
             many a launch file has to start; 0 for other programs), `enclaves` (those that tell which program
             a node belongs to, if that is to be told), `is_stepped`, `has_commands`, `is_brief` (what the
-            programs do alone is known), `is_again` (so is what they do on commands), `is_given` (they receive
-            what they may wait for), `has_flags` (the value of the flags in that), `contents` (what their code
-            compares, by topic, if the contents are to be made up), `has_keys` (whether somebody types for them).
+            programs do alone is known), `is_again` (so is what they do on commands), `contents` (what their code
+            compares, by topic, if they are given what they may wait for; else None), `has_keys` (whether somebody
+            types for them).
         say: sends a message to the grader.
     """
 
@@ -76,6 +75,7 @@ class Conductor:
         self._has_printed = False  # since the last mark
         self._first_values: dict[str, dict[str, Any]] = {}
         self._given: Given | None = None
+        self._meanwhile: dict[str, Any] = {}  # what was published while it was given
         self._clocked: set[str] = set()
         self._fault = ""  # of the observer's own, that has ended the run
         self._deadline = time.monotonic() + plan["seconds"]
@@ -119,9 +119,10 @@ class Conductor:
     def _observe(self, watch: Watch) -> None:
         self._await_nodes(watch)
         self._say("met")
-        if self.plan.get("is_given"):
-            self._given = self._giving(watch)
-        self._listen(watch)
+        if self.plan["contents"] is not None:
+            self._give(watch)
+        if self._given is None or self.plan["has_commands"]:
+            self._listen(watch)
         self._quiet = watch.part()
         self._mark()  # what was printed before belongs to the quiet part
         self._quiet_log = watch.log_part()
@@ -144,22 +145,23 @@ class Conductor:
         if watch.is_stepped and unknown:
             raise NotStepped(too_little(unknown))
 
-    def _giving(self, watch: Watch) -> Given:
-        """Return what gives the programs what they may wait for: made-up contents, or default values."""
-        if self.plan.get("contents") is not None:
-            return Varied(
-                watch, self.plan["contents"], self._calls, self.plan["programs"], lambda: self._alive
-            )
-        kept = [*self._assignment.topics, *(part.topic for part in self._assignment.services)]
-        return Given(watch, kept, flags=self.plan["has_flags"])
+    def _give(self, watch: Watch) -> None:
+        """Give the programs what they may wait for, and record what is published meanwhile if more follows."""
+        is_followed = self.plan["has_commands"]
+        calls = list[dict[str, Any]]() if is_followed else self._calls
+        contents, programs = self.plan["contents"], self.plan["programs"]
+        self._given = Given(watch, contents, calls, programs, lambda: self._alive, manages=is_followed)
+        try:
+            self._given.give_all()
+        finally:
+            if is_followed:
+                self._meanwhile = watch.part()
+                watch.log_part()
 
     def _listen(self, watch: Watch) -> None:
         """Record what is published before any command."""
-        if isinstance(self._given, Varied):
-            self._given.give_all()
-            return
-        quiet = Quiet(watch, is_brief=self.plan["is_brief"], given=self._given)
-        self._stalled = quiet.stalled
+        quiet = Quiet(watch, is_brief=self.plan["is_brief"])
+        self._stalled = quiet.stalled if self._given is None else []
         if not watch.is_stepped:
             quiet.on_the_real_clock()
             return
@@ -192,7 +194,8 @@ class Conductor:
     def _give_commands(self, watch: Watch, answered: dict[str, int]) -> None:
         """Send all commands, or only a few if the time does not suffice for more."""
         # All were tried already: alone, or with the programs' own parameters.
-        is_told_before = self.plan["is_brief"] or self.plan["nodes"] or self.plan["is_again"]
+        is_told_before = any(self.plan[key] for key in ("is_brief", "nodes", "is_again"))
+        is_told_before |= self._given is not None
         if is_told_before and self._script.before:
             self._command(watch, self._script.first, answered)
         is_quick = watch.is_answering and not watch.is_slow
@@ -311,8 +314,6 @@ class Conductor:
 
     def _let_time_pass(self, watch: Watch) -> None:
         """After a command, wait until the topics that are published repeatedly have come again."""
-        if self._given:
-            self._given.give()
         periods = {topic: self._period(topic) for topic in watch.ears}
         if watch.is_stepped:
             # Where nothing is published by itself, the reaction may wait for a timer.
@@ -400,6 +401,8 @@ class Conductor:
             commands=self._commands,
             services=ends.left(watch.services, gone),
             calls=self._calls,
+            meanwhile=self._meanwhile,
+            handed_on=self._given.handed_on(self._meanwhile) if self._given else [],
             **(self._given.told() if self._given else {}),
             clocked=sorted(self._clocked),
             final=final,

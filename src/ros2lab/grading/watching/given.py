@@ -1,155 +1,222 @@
-"""What nodes wait for and a submission does not provide: messages, requests and responses of default values.
-
-Flags in them are set one way and then the other, which opens most gates. If nodes wait for nothing but a few
-flags, these are given in all combinations.
-"""
+"""What nodes wait for and nothing in a workspace provides: messages, requests and responses of made-up contents."""
 
 from __future__ import annotations
 
 import contextlib
+import json
+import time
 from collections import defaultdict
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 
 from ros2lab.every_node import HIDDEN_TOPICS
+from ros2lab.grading.code.contents import Contents
+from ros2lab.grading.watching.ear import plain
+from ros2lab.grading.watching.made_up import Filler
 from ros2lab.grading.watching.watch import NODES, OF_EVERY_NODE, TOPICS, Watch
-from ros2lab.observed_domain import LATCHED, UNTOLD
+from ros2lab.observed_domain import LATCHED, TEXTS, UNTOLD
 from ros2lab.topics import find_type, type_name
 
-MOST_FLAGS = 3  # that are given in all combinations
+PAUSE = 0.08  # s between two turns
+TURNS = 32
+# Texts and services may end or stop a program, so that what else is given must come first.
+FIRST_TEXT, FIRST_CALL = 6, 8  # turns
+STAYS = 3  # turns, in which something may come of a call, or of a message that holds no number
+ANSWER_TIMEOUT = 2.0  # s, for the last answers
 MANAGES = "lifecycle_msgs/srv/ChangeState"  # makes a managed node begin
 BEGIN = (1, 3)  # configure, activate
+OF_MANAGED = "lifecycle_msgs/"
+OF_ACTIONS = "action_msgs/"
+ACTION = "/_action"
 
 
 class Given:
-    """Gives the nodes of a run what they may wait for.
+    """Gives the nodes of a run what they may wait for, with other contents each time, and always the same in each run.
 
     Args:
         watch: the observer's watch of the run.
-        kept: topics and services of the assignment, which have their own stimuli.
-        flags: the first value of flags in messages and responses.
+        contents: the `words` and `numbers` that the code compares, by the last part of the topic's name; under an
+            empty name for all others.
+        calls: where the calls of services are noted.
+        programs: how many programs were started.
+        alive: returns how many of them have not ended.
+        manages: whether managed nodes are told to configure and to activate themselves.
 
     Attributes:
-        names: the topics and services on which something was given.
-        flags: those of them whose type is a single flag.
-        plain: those whose type leaves nothing to choose.
+        types: what was given, each topic and service with its type.
+        ungiven: what could not be given, such as an action, or what is of a type that is not here; in the same way.
+        fatal: for each program that ended, in this order, what was given just before, by topic or service.
     """
 
-    def __init__(self, watch: Watch, kept: Collection[str], *, flags: bool) -> None:
-        self._is_first = flags
-        self._turn = 0
-        self.names: set[str] = set()
-        self.flags: list[str] = []
-        self.plain: set[str] = set()
-        self._watch = watch
-        self._kept = {*kept, *HIDDEN_TOPICS}
+    def __init__(
+        self,
+        watch: Watch,
+        contents: Contents,
+        calls: list[dict[str, Any]],
+        programs: int,
+        alive: Callable[[], int],
+        *,
+        manages: bool,
+    ) -> None:
+        self.types: dict[str, str] = {}
+        self.ungiven: dict[str, str] = {}
+        self.fatal: list[dict[str, Any]] = []
+        self._watch, self._contents, self._calls, self._manages = watch, contents, calls, manages
+        self._living, self._alive = programs, alive
+        self._now = lambda: watch.node.get_clock().now().to_msg()
+        self._number = 0  # of the turn
+        self._counts: dict[str, int] = defaultdict(int)  # what was given on each topic or service
+        self._last: dict[str, Any] = {}  # what was given in this turn
+        self._said: dict[str, set[str]] = defaultdict(set)  # by type, the messages that were given
         self._publishers: dict[str, Any] = {}
         self._clients: dict[str, Any] = {}
-        self._requests: dict[str, list[Any]] = defaultdict(list)
         self._services: dict[str, Any] = {}
-
-    @property
-    def turns(self) -> int:
-        """The number of combinations in which flags are given."""
-        return int(2 ** min(len(self.flags), MOST_FLAGS))
-
-    @property
-    def tried(self) -> list[str]:
-        """The topics and services that were given every possible value, in every combination with others."""
-        is_all = len(self.flags) == 1 or self._turn == self.turns - 1
-        return sorted([*self.plain, *(self.flags if is_all and len(self.flags) <= MOST_FLAGS else ())])
+        self._pending: dict[str, Any] = {}
 
     def told(self) -> dict[str, Any]:
         """Return what the grader is told of what was given."""
-        return {"given": sorted(self.names), "tried": self.tried}
+        types, ungiven = dict(sorted(self.types.items())), dict(sorted(self.ungiven.items()))
+        return {"given": [*types], "gave": types, "ungiven": ungiven, "fatal": self.fatal}
 
-    def _with_own_stimuli(self) -> set[str]:
-        """Return the topics on which nothing is given."""
-        return {*self._kept, self._watch.command_topic()}
-
-    def give(self, turn: int | None = None) -> None:
-        """Publish on each topic without a publisher, call each service, and provide each that is called.
-
-        Args:
-            turn: the number of the combination of flags; None leaves them as they are.
-        """
-        self._turn = self._turn if turn is None else min(turn, self.turns - 1)
-        for do, name, kind in [*self._wanted()]:
-            with contextlib.suppress(Exception):  # rclpy raises many kinds for types and names it cannot use
-                do(name, find_type(kind))
-
-    def _wanted(self) -> Iterator[tuple[Callable[[str, Any], None], str, str]]:
-        """Yield what to do, each with the name of a topic or a service and its type."""
-        kept = self._with_own_stimuli()
-        for topic, nodes in sorted(self._watch.subscribes.items())[:TOPICS]:
-            if topic not in kept and topic not in self._watch.publishes:
-                yield self._publish, topic, next(iter(nodes.values()))[0]
-        node = self._watch.node
-        for name in sorted(set(self._watch.nodes()))[:NODES]:
-            space, _, base = name.rpartition("/")
-            with contextlib.suppress(NodeNameNonExistentError):  # it has just left
-                for service, kind in self._own(node.get_service_names_and_types_by_node(base, space or "/")):
-                    yield self._call, service, kind
-                for service, kind in self._own(node.get_client_names_and_types_by_node(base, space or "/")):
-                    yield self._provide, service, kind
-
-    def _own(self, found: Any) -> list[tuple[str, str]]:
-        """Return the services that are neither the assignment's nor every node's, with their types."""
+    def handed_on(self, heard: Mapping[str, Mapping[str, Any]]) -> list[str]:
+        """Return the topics on which nothing was heard but messages that were given, of the same type."""
         return [
-            (service, types[0])
-            for service, types in found[: 4 * TOPICS]
-            if service not in self._kept and not types[0].startswith(OF_EVERY_NODE)
+            topic
+            for topic, seen in sorted(heard.items())
+            if seen["values"]
+            and all(_text(value) in self._said[seen["type_name"]] for value in seen["values"])
         ]
 
+    def give_all(self) -> None:
+        """Give everything, turn by turn, and wait after each until the nodes have taken it.
+
+        Raises:
+            Gone: if all programs have ended.
+        """
+        self._watch.part()  # what follows is heard alone
+        try:
+            self._turns()
+            self._watch.until(lambda: all(answer.done() for answer in self._pending.values()), ANSWER_TIMEOUT)
+        finally:
+            self._note_ends()
+            for call in self._calls:
+                if call["response"] is None:
+                    call["seconds"] = time.monotonic() - call["seconds"]
+
+    def _turns(self) -> None:
+        watch = self._watch
+        while self._number < TURNS:
+            self._note_ends()
+            before, nodes, self._last = self._alive(), len(watch.nodes()), {}
+            self._give()
+            self._number += 1
+            if watch.is_answering:
+                watch.is_answering = watch.settle(watch.patience)
+            watch.until(lambda: False, PAUSE)
+            if len(watch.nodes()) < nodes:  # before its program ends, so that nothing else is given meanwhile
+                watch.until(lambda: self._alive() < before, watch.patience)  # noqa: B023
+            watch.check()
+            watch.look_again()
+
+    def _note_ends(self) -> None:
+        """Note for the programs that have ended meanwhile what was given last."""
+        self.fatal += [self._last] * (self._living - self._alive())
+        self._living = self._alive()
+
+    def _give(self) -> None:
+        """Publish on each topic without a publisher, call each service, and provide each that is called."""
+        for do, name, kind in [*self._wanted()]:
+            try:
+                do(name, find_type(kind))
+            except Exception:  # rclpy raises many kinds for types and names it cannot use
+                self.ungiven[name] = kind
+
+    def _wanted(self) -> Iterator[tuple[Callable[[str, Any], None], str, str]]:
+        """Yield what to do, each with the name of a topic or a service and its type; not what nodes do among themselves."""
+        watch = self._watch
+        for topic, nodes in sorted(watch.subscribes.items())[:TOPICS]:
+            if topic not in HIDDEN_TOPICS and topic not in watch.publishes and "/_" not in topic:
+                yield self._publish, topic, next(iter(nodes.values()))[0]
+        offered, called = dict[str, str](), dict[str, str]()
+        for name in sorted(set(watch.nodes()))[:NODES]:
+            space, _, base = name.rpartition("/")
+            with contextlib.suppress(NodeNameNonExistentError):  # it has just left
+                offered |= _own(watch.node.get_service_names_and_types_by_node(base, space or "/"))
+                called |= _own(watch.node.get_client_names_and_types_by_node(base, space or "/"))
+        for do, services, others in ((self._call, offered, called), (self._provide, called, offered)):
+            for service, kind in services.items():
+                if service in others or kind.startswith(OF_ACTIONS):
+                    continue
+                if ACTION in service:
+                    self.ungiven[service.partition(ACTION)[0]] = kind.partition("_")[0]
+                elif not kind.startswith(OF_MANAGED) or (self._manages and kind == MANAGES):
+                    yield do, service, kind
+
     def _publish(self, topic: str, message: Any) -> None:
+        is_event = {*message.get_fields_and_field_types().values()} <= {"string", "boolean"}
+        if self._number < FIRST_TEXT * (type_name(message) == TEXTS) or (is_event and self._number % STAYS):
+            return
         if topic not in self._publishers:
             node = self._watch.holding(topic, type_name(message))
             self._publishers[topic] = node.create_publisher(message, topic, LATCHED, event_callbacks=UNTOLD)
-        self._publishers[topic].publish(self._flagged(topic, message()))
-        self.names.add(topic)
+        made = self._filled(topic, message())
+        self._publishers[topic].publish(made)
+        self._said[type_name(message)].add(_text(plain(made)))
+        self.types[topic] = type_name(message)
 
     def _call(self, service: str, kind: Any) -> None:
-        """Call an available service once with each request; flags start as true: false often means stop."""
+        """Call a service now and then, if it has answered the call before."""
         if service in self._services:
             return
         if service not in self._clients:
             self._clients[service] = self._watch.node.create_client(kind, service)
-        for request in self._made(service, kind):
-            if self._clients[service].service_is_ready() and request not in self._requests[service]:
-                self._clients[service].call_async(request)
-                self._requests[service].append(request)
-                self.names.add(service)
-
-    def _made(self, service: str, kind: Any) -> list[Any]:
-        """Return the requests that are sent to a service together."""
-        if kind != find_type(MANAGES):
-            return [self._flagged(service, kind.Request(), is_first=True)]
-        requests = [kind.Request() for _ in BEGIN]
-        for request, number in zip(requests, BEGIN, strict=True):
-            request.transition.id = number
-        self.plain.add(service)
-        return requests
+        pending, client = self._pending.get(service), self._clients[service]
+        late = self._number - FIRST_CALL - STAYS * self._counts[service]
+        is_begun = type_name(kind) == MANAGES
+        is_due = self._counts[service] < len(BEGIN) if is_begun else late >= 0
+        if not is_due or (pending is not None and not pending.done()) or not client.service_is_ready():
+            return
+        request = self._filled(service, kind.Request())
+        if is_begun:
+            request.transition.id = BEGIN[self._counts[service] - 1]
+        call = {"service": service, "request": plain(request), "response": None, "seconds": time.monotonic()}
+        self._calls.append({**call, "is_repeated": False, "is_alive": True, "topics": {}})
+        self._pending[service] = client.call_async(request)
+        self._pending[service].add_done_callback(partial(_note, self._calls[-1]))
+        self.types[service] = type_name(kind)
 
     def _provide(self, service: str, kind: Any) -> None:
         is_there = service in self._clients or service in self._services
         if not is_there and not self._watch.node.count_services(service):
             self._services[service] = self._watch.node.create_service(
-                kind, service, lambda _, response: self._flagged(service, response)
+                kind, service, lambda _, response: self._filled(service, response)
             )
-            self.names.add(service)
+            self.types[service] = type_name(kind)
 
-    def _flagged(self, name: str, message: Any, *, is_first: bool | None = None) -> Any:
-        """Set the flags of a message, a request or a response to true or false, and return it."""
-        fields = message.get_fields_and_field_types()
-        if not fields:
-            self.plain.add(name)
-        elif [*fields.values()] == ["boolean"] and name not in self.flags:
-            self.flags.append(name)
-        is_set = self._is_first if is_first is None else is_first
-        if name in self.flags:
-            is_set ^= bool(self._turn >> self.flags.index(name) & 1)
-        for field in (field for field, kind in fields.items() if kind == "boolean"):
-            setattr(message, field, is_set)
+    def _filled(self, name: str, message: Any) -> Any:
+        """Fill a message, a request or a response."""
+        given = self._contents.get(name.rpartition("/")[2], self._contents.get("", {}))
+        filler = Filler(self._now, given.get("words", ()), given.get("numbers", ()))
+        filler.fill(message, self._counts[name])
+        self._counts[name] += 1
+        self._last[name] = plain(message)
         return message
+
+
+def _own(found: Any) -> dict[str, str]:
+    """Return the services that are not every node's, with their types."""
+    return {
+        service: types[0] for service, types in found[: 4 * TOPICS] if not types[0].startswith(OF_EVERY_NODE)
+    }
+
+
+def _text(value: Any) -> str:
+    return json.dumps(value, sort_keys=True)
+
+
+def _note(call: dict[str, Any], answer: Any) -> None:
+    """Note the response to a call."""
+    call["response"], call["seconds"] = plain(answer.result()), time.monotonic() - call["seconds"]

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.printed.ignored import without_ignored
+from ros2lab.grading.code.contents import Contents
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
 from ros2lab.grading.sandbox.box import Box
 from ros2lab.grading.sandbox.neighbours import Neighbours
@@ -84,8 +85,7 @@ class Job:
         has_commands: whether commands are published.
         is_stepped: whether the programs follow a stepped clock.
         is_brief: whether it is already known what they do alone.
-        is_given: whether they are given default values of what they may wait for.
-        has_flags: whether the flags in these are set.
+        contents: what their code compares, by topic, if they are given what they may wait for; else None.
         nodes: how many nodes to wait for; 0 if each program has at least one.
         is_shared: whether to tell apart what each program does. If that cannot be done, because a program has
             ended or does not follow the clock, the job is given up.
@@ -100,8 +100,7 @@ class Job:
         has_commands: bool = True,
         is_stepped: bool = True,
         is_brief: bool = False,
-        is_given: bool = False,
-        has_flags: bool = False,
+        contents: Contents | None = None,
         nodes: int = 0,
         is_shared: bool = False,
         is_again: bool = False,
@@ -121,8 +120,7 @@ class Job:
             "has_commands": has_commands,
             "is_brief": is_brief,
             "is_again": is_again,
-            "is_given": is_given,
-            "has_flags": has_flags,
+            "contents": contents,
             "has_keys": any(program.keys for program in self.programs),
         }
         is_told = is_stepped and not self.is_stepped
@@ -150,9 +148,9 @@ class Job:
         return cls(programs, "together", is_brief=True)
 
     @classmethod
-    def given(cls, programs: Sequence[Program], *, has_flags: bool) -> Job:
-        """Watch programs together, on the real clock, while they are given what they may wait for."""
-        return cls(programs, GIVEN, is_stepped=False, is_brief=True, is_given=True, has_flags=has_flags)
+    def given(cls, programs: Sequence[Program], contents: Contents) -> Job:
+        """Watch programs together, on the real clock: while they are given what they may wait for, and then on commands."""
+        return cls(programs, GIVEN, is_stepped=False, contents=contents)
 
     @classmethod
     def shared(cls, programs: Sequence[Program], *, has_commands: bool = True) -> Job:
@@ -332,7 +330,10 @@ class Job:
             stalled=seen.get("stalled", []),
             services=seen.get("services", {}),
             given=seen.get("given", []),
-            tried=seen.get("tried", []),
+            gave=seen.get("gave", {}),
+            ungiven=seen.get("ungiven", {}),
+            meanwhile=_heard(seen.get("meanwhile", {})),
+            handed_on=seen.get("handed_on", []),
             commanded=seen.get("commanded", ""),
             clocked=seen.get("clocked", []),
             unfinished=self.unfinished,

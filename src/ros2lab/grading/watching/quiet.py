@@ -7,7 +7,6 @@ import time
 from collections.abc import Iterable
 
 from ros2lab.grading.watching.ear import Ear
-from ros2lab.grading.watching.given import Given
 from ros2lab.grading.watching.watch import NotStepped, Watch
 from ros2lab.observed_domain import LATE
 from ros2lab.rhythm import REAL_HORIZON
@@ -20,7 +19,6 @@ FAR_HORIZON = 12.0  # s, for two of a 5 s timer
 JUMPS = 3
 MOST_LOOKS = 4  # at the graph for new topics
 SLOW = 5.0  # s, in which two messages of a 2.4 s timer come
-GIVEN_AGAIN = 0.1  # s, the period at which programs are given what they may wait for
 MANY = 12  # messages after which a topic is believed to go on
 UNEVEN = 0.45  # s, the largest difference between the gaps of one topic
 
@@ -31,17 +29,15 @@ class Quiet:
     Args:
         watch: the run's Watch.
         is_brief: whether it is already known what the programs do alone.
-        given: gives the programs what they may wait for; None if they are given nothing.
 
     Attributes:
         stalled: topics that were published in a rhythm and then stopped.
     """
 
-    def __init__(self, watch: Watch, *, is_brief: bool, given: Given | None = None) -> None:
+    def __init__(self, watch: Watch, *, is_brief: bool) -> None:
         self.stalled: list[str] = []
         self._watch = watch
         self._is_brief = is_brief
-        self._given = given
         self._begin = time.monotonic()
         self._is_fine = False  # whether to go on in short steps, since one long step brought nothing
 
@@ -166,12 +162,8 @@ class Quiet:
         def is_enough() -> bool:
             return watch.now() - start > 1.0 and _all_have(watch, least)
 
-        turns = 1
-        while watch.now() - start < turns * horizon and not is_enough():
-            if self._given:
-                self._given.give(int((watch.now() - start) // horizon))
-                turns = self._given.turns
-            watch.until(is_enough, GIVEN_AGAIN if self._given else LATE)
+        while watch.now() - start < horizon and not is_enough():
+            watch.until(is_enough, LATE)
             watch.check()
             watch.look_again()
         for ear in watch.ears.values():

@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
+from ros2lab.every_node import HIDDEN_TOPICS
 from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.judging.player import is_done, is_for_want, is_timers
 from ros2lab.grading.judging.players import may_end
@@ -247,11 +248,9 @@ class _Watching:
 
     def given(self) -> None:
         """Watch all together once more, and give them what they may wait for, if any seems to wait."""
-        for has_flags in (False, True):
-            is_for_nothing = has_flags and not self.runs[-1].given
-            if self._programs and not is_for_nothing and _is_waiting(self._assignment, self.runs):
-                self._show("watching them with what they may wait for")
-                self.runs += self._observer.watch([Job.given(self._programs, has_flags=has_flags)])
+        if self._programs and _is_waiting(self._assignment, self.runs):
+            self._show("watching them with what they may wait for")
+            self.runs += self._observer.watch([Job.given(self._programs, self._facts.contents)])
 
     def _to_compare(self) -> list[Job]:
         """Return the jobs that show on the real clock, once, what programs did on the stepped one: together or alone.
@@ -366,8 +365,11 @@ def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
 
 
 def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
-    """Return whether a part's publisher was seen but nothing came: its node may wait for something."""
+    """Return whether nothing came of a part: its node may wait for something, or make its end only then."""
+    is_open = any(_open_topics(run) for run in runs)
     for part in assignment.parts.values():
+        if part.commands and _is_deaf(part, runs):
+            return True
         seen = [
             (topic, types)
             for run in runs
@@ -379,10 +381,25 @@ def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
         if part.is_publisher and any(topic == part.topic for topic, _ in seen):
             is_silent = not any(part.topic in topics for run in runs for topics in run.stretches)
         else:
-            is_silent = part.is_publisher and has_type and not any(is_done(part, run) for run in runs)
+            may_come = part.is_publisher and (has_type or is_open)
+            is_silent = may_come and not any(is_done(part, run) for run in runs)
         if is_silent:
             return True
     return False
+
+
+def _open_topics(run: Run) -> set[str]:
+    """Return the topics on which nothing comes, but commands."""
+    return run.subscribes.keys() - run.publishes.keys() - HIDDEN_TOPICS - {run.commanded}
+
+
+def _is_deaf(part: Part, runs: Sequence[Run]) -> bool:
+    """Return whether the nodes that take the commands, and something else, never answered one when alone."""
+    told = [run for run in runs if run.setting == "alone" and run.commands and part.topic == run.commanded]
+    answered = any(
+        command.log or command.topics or command.parameters for run in told for command in run.commands
+    )
+    return not answered and any(_open_topics(run) for run in told)
 
 
 def _is_at_work(part: Part, run: Run) -> bool:
