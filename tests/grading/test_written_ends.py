@@ -52,12 +52,8 @@ class Status(Node):
 def test_topics_types_and_timers_are_read() -> None:
     source = PythonSource("status", "status.py", SOURCE)
     assert written_ends([source], words=WORDS)[0] == [
-        WrittenEnd(
-            "/cmd_vel", "geometry_msgs/msg/Twist", True, [], "status", ["publishes"], ["varies"], [0.1]
-        ),
-        WrittenEnd(
-            "/robot/status", "std_msgs/msg/String", True, [2.0], "status", ["publishes"], ["varies"], [2.0]
-        ),
+        WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], "status", ["publishes"], ["varies"]),
+        WrittenEnd("/robot/status", "std_msgs/msg/String", True, [2.0], "status", ["publishes"], ["varies"]),
         WrittenEnd("/robot/command", "std_msgs/msg/String", False, [], "status", []),
     ]
 

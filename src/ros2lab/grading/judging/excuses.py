@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import PurePosixPath
 from typing import NamedTuple
 
@@ -64,7 +64,9 @@ def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> Excuse:
     players = [player for player in everybody if player.run.setting != GIVEN]
     if not players:
         return Excuse(_unwatched(case, part))
-    lack = _left_out(case, players, (*_uses(part), *deeds)) or _broken(case, players)
+    lack = (
+        _left_out(case, players, (*_uses(part), *deeds)) or _broken(case, players) or _failed(case, players)
+    )
     return _why(case, part, players)._replace(lack=lack)
 
 
@@ -119,6 +121,23 @@ def _broken(case: Case, players: Sequence[Player]) -> str:
     return ""
 
 
+def _failed(case: Case, players: Sequence[Player]) -> str:
+    """Return with which error of its own a program ended where all that it lacks said yes, as a clause; empty if with none."""
+    runs = [run for run in case.evidence.runs if run.setting == GIVEN]
+    for program in {player.program for player in players if player.end is None}:
+        executable = case.executables.get(program)
+        said = next((run.ended[program] for run in runs if program in run.ended), "")
+        is_its_own = "Traceback (most recent call last)" in said and not is_for_want(said)
+        if (
+            executable
+            and executable.absent
+            and is_its_own
+            and not any(_ended_by_text(run, players) for run in runs)
+        ):
+            return f"where what it lacks says yes, it ends with {said.strip().splitlines()[-1]}"
+    return ""
+
+
 def _why(case: Case, part: Part, players: Sequence[Player]) -> Excuse:
     """Return why what the players of a part do could not be tried; an empty excuse if it could.
 
@@ -143,7 +162,9 @@ def _not_given(case: Case, part: Part, players: Sequence[Player]) -> str:
     everybody = of_one_node(case.players[part.name], case.main(part))
     if any(player.is_heard for player in everybody if player.run.setting == GIVEN):
         return ""
-    missing = {name for run in runs for name in (run.ungiven if run.gave or run.ungiven else run.given)}
+    missing = {
+        name for run in runs for name in (run.ungiven if run.gave or run.ungiven else _of_others(case, run))
+    }
     if part.end == "subscription":  # it takes itself what opens it
         missing &= {topic for player in players for topic in _taken(player.run, {player.node})}
     if missing:
@@ -151,6 +172,14 @@ def _not_given(case: Case, part: Part, players: Sequence[Player]) -> str:
     ended = (_ended_by_text(run, players) for run in runs)
     late = (run.unfinished for run in runs if not run.meanwhile)
     return next(filter(None, (*ended, *late)), "")
+
+
+def _of_others(case: Case, run: Run) -> Iterator[str]:
+    """Yield what was given default values, as in older evidence, but what the work should bring itself."""
+    own = {part.type_name for part in case.assignment.parts.values()}
+    for name in run.given:
+        if own.isdisjoint(kind for kinds in run.subscribes.get(name, {}).values() for kind in kinds):
+            yield name
 
 
 def _ended_by_text(run: Run, players: Sequence[Player]) -> str:

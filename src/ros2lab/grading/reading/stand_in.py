@@ -1,5 +1,7 @@
 """A stand-in for a module that is not installed on the grading machine: everything in it does nothing.
 
+What it tells is empty, zero and false; where programs are given what they may wait for, it is one and true.
+
 Its source is put into a box under the names of such modules; nothing else of the grader is there.
 Every error that one of its objects causes names the class `NotInstalledHere`, so that nobody is blamed for
 it.
@@ -13,6 +15,7 @@ import functools
 import importlib.abc
 import importlib.machinery
 import itertools
+import os
 import sys
 import time
 from collections.abc import Iterator, Sequence
@@ -24,10 +27,12 @@ _UNPACKS = {dis.opmap[name] for name in ("UNPACK_SEQUENCE", "UNPACK_EX")}  # the
 # rest.
 _UNPACED, _PACE = 10_000, 0.001
 _calls = itertools.count()
+SAYS_YES = "ROS2LAB_STAND_IN_SAYS_YES"  # in the environment where it is one and true
+_TOLD = int(SAYS_YES in os.environ)
 
 
 class _Nothing:
-    """The behaviour of everything in such a module, classes as well as objects: empty, zero and false."""
+    """The behaviour of everything in such a module, classes as well as objects."""
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("__"):
@@ -41,13 +46,13 @@ class _Nothing:
         pass
 
     def __iter__(self) -> Iterator[Any]:
-        """Yield nothing, or as many values as it is unpacked into, as in `success, image = camera.read()`."""
+        """Yield nothing, or one if it says yes, or as many values as it is unpacked into, as in `success, image = camera.read()`."""
         caller = sys._getframe(1)
         code, at = caller.f_code.co_code, caller.f_lasti
-        return itertools.repeat(NotInstalledHere(), code[at + 1] if code[at] in _UNPACKS else 0)
+        return itertools.repeat(NotInstalledHere(), code[at + 1] if code[at] in _UNPACKS else _TOLD)
 
     def __len__(self) -> int:
-        return 0
+        return _TOLD
 
     def __format__(self, _: str) -> str:
         return ""
@@ -59,10 +64,10 @@ class _Nothing:
         pass
 
     def __float__(self) -> float:
-        return 0.0
+        return float(_TOLD)
 
     def __index__(self) -> int:
-        return 0
+        return _TOLD
 
     def __abs__(self) -> Any:
         return self
@@ -75,7 +80,7 @@ class _Nothing:
         return before if isinstance(before, str) else self
 
     def __lt__(self, _: Any) -> bool:
-        return False
+        return bool(_TOLD)
 
     @property
     def args(self) -> Any:
@@ -122,6 +127,12 @@ class NotInstalledHere(  # type: ignore[override]  # noqa: N818 -- it is much el
         """Do nothing, and take a little time if called without end."""
         _rest()
         return self
+
+    def __eq__(self, other: object) -> bool:
+        return bool(_TOLD) or self is other
+
+    def __hash__(self) -> int:
+        return id(self)
 
     def __str__(self) -> str:
         """Return this class's name, also for exceptions that the submission derives from it."""

@@ -15,6 +15,7 @@ from typing import Any
 from ros2lab.diagnose.printed.ignored import without_ignored
 from ros2lab.grading.code.contents import Contents
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
+from ros2lab.grading.reading.stand_in import SAYS_YES
 from ros2lab.grading.sandbox.box import Box
 from ros2lab.grading.sandbox.neighbours import Neighbours
 from ros2lab.grading.senses import seen as seen_of
@@ -150,7 +151,8 @@ class Job:
     @classmethod
     def given(cls, programs: Sequence[Program], contents: Contents) -> Job:
         """Watch programs together, on the real clock: while they are given what they may wait for, and then on commands."""
-        return cls(programs, GIVEN, is_stepped=False, contents=contents)
+        willing = [replace(one, environ={**one.environ, SAYS_YES: "1"}) for one in programs]
+        return cls(willing, GIVEN, is_stepped=False, contents=contents)
 
     @classmethod
     def shared(cls, programs: Sequence[Program], *, has_commands: bool = True) -> Job:
