@@ -330,8 +330,7 @@ class Run:
         early: those of them that ended before any command was published.
         done: those of them that ended with the exit code 0, by which a program says that all went well.
         stopped: how each ended at Ctrl-C: `last` (the last message by topic), `seconds`, `traceback` (whether
-            there was one), `killed` (whether that was needed), `said` (its last lines; where Ctrl-C
-            interrupts a program is chance).
+            there was one), `killed` (whether that was needed), `said` (its last lines, by chance).
         notes: what was cut, and what could not be seen.
         log: what was logged or printed before any command, as [level, text].
         twins: full names that more than one node had.
@@ -341,10 +340,11 @@ class Run:
             if there is none.
         services: types by service and node, if the assignment asks for a service.
         calls: calls of services, in order.
-        given: topics and services that were given something, because nothing in the submission provides them.
-        gave: the type of each of them, if the contents were made up; empty in older evidence, where all were
-            default values.
-        ungiven: what nodes wait for and could not be given, by name: an action, or what is of a type that is not here.
+        waits: what its nodes take, offer or call, and no other one brings: topics but the commands', services, actions.
+        given: those of them that were given something.
+        tried: of older evidence, where all were default values: those that were given every possible value.
+        gave: the type of each of them; empty in older evidence.
+        ungiven: those that could not be given, with their types.
         meanwhile: what was published while something was given; `quiet` and `commands` came after it.
         handed_on: the topics on which nothing came meanwhile but what was given.
         commanded: the topic on which the commands were published; empty if nothing receives any.
@@ -352,8 +352,7 @@ class Run:
         clocked: full names of the nodes that follow `/clock` although they were not told to and nobody
             publishes it.
         unfinished: which time ran out, as a clause; empty if it was watched to its end.
-        changed: the programs that ran with other parameters than usual. Another Run is about their usual
-            behaviour; in this one, only what follows commands counts, and not their periods.
+        changed: the programs that ran with other parameters than usual; only what follows commands counts here.
     """
 
     programs: list[str]
@@ -375,7 +374,9 @@ class Run:
     refused: str = ""
     services: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     calls: list[ServiceCall] = field(default_factory=list)
+    waits: list[str] = field(default_factory=list)
     given: list[str] = field(default_factory=list)
+    tried: list[str] = field(default_factory=list)
     gave: dict[str, str] = field(default_factory=dict)
     ungiven: dict[str, str] = field(default_factory=dict)
     meanwhile: dict[str, Heard] = field(default_factory=dict)

@@ -30,8 +30,7 @@ _WORDS = {
 }
 
 
-# Fields of older evidence that nothing asks for any more.
-_GONE = frozenset(("tried", "paces"))
+_GONE = frozenset(("paces",))  # fields of older evidence that nothing asks for any more
 
 
 class EvidenceError(Exception):

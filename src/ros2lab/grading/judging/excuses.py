@@ -170,14 +170,14 @@ def _not_given(case: Case, part: Part, players: Sequence[Player]) -> str:
     if missing:
         return f"{players[0].node} waits for what nobody here brings on {', '.join(sorted(missing))}"
     ended = (_ended_by_text(run, players) for run in runs)
-    late = (run.unfinished for run in runs if not run.meanwhile)
+    late = (run.unfinished for run in runs if not run.nodes)
     return next(filter(None, (*ended, *late)), "")
 
 
 def _of_others(case: Case, run: Run) -> Iterator[str]:
-    """Yield what was given default values, as in older evidence, but what the work should bring itself."""
+    """Yield what was given some default values, as in older evidence, but what the work should bring itself."""
     own = {part.type_name for part in case.assignment.parts.values()}
-    for name in run.given:
+    for name in {*run.given} - {*run.tried}:
         if own.isdisjoint(kind for kinds in run.subscribes.get(name, {}).values() for kind in kinds):
             yield name
 

@@ -14,7 +14,7 @@ from typing import Any
 from ros2lab.assignments import Assignment
 from ros2lab.grading.watching import OWN_CLOCK, ends
 from ros2lab.grading.watching.ear import TEXT, gaps
-from ros2lab.grading.watching.given import Given
+from ros2lab.grading.watching.given import Given, wanted
 from ros2lab.grading.watching.quiet import STEP, Quiet, silent_after, too_little
 from ros2lab.grading.watching.script import FLOOD, Script
 from ros2lab.grading.watching.service_calls import call_services
@@ -74,6 +74,7 @@ class Conductor:
         self._unfollowed = 0  # commands in a row after which nothing came
         self._has_printed = False  # since the last mark
         self._first_values: dict[str, dict[str, Any]] = {}
+        self._waits: list[str] = []
         self._given: Given | None = None
         self._meanwhile: dict[str, Any] = {}  # what was published while it was given
         self._clocked: set[str] = set()
@@ -119,6 +120,7 @@ class Conductor:
     def _observe(self, watch: Watch) -> None:
         self._await_nodes(watch)
         self._say("met")
+        self._waits = sorted({name for _, name, _ in wanted(watch)} - {watch.command_topic()})
         if self.plan["contents"] is not None:
             self._give(watch)
         if self._given is None or self.plan["has_commands"]:
@@ -401,6 +403,7 @@ class Conductor:
             commands=self._commands,
             services=ends.left(watch.services, gone),
             calls=self._calls,
+            waits=self._waits,
             meanwhile=self._meanwhile,
             handed_on=self._given.handed_on(self._meanwhile) if self._given else [],
             **(self._given.told() if self._given else {}),

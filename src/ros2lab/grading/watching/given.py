@@ -22,6 +22,7 @@ from ros2lab.topics import find_type, type_name
 
 PAUSE = 0.08  # s between two turns
 TURNS = 32
+SECONDS = 8.0  # s in all turns, in which nodes that are slow to answer are waited for
 # Texts and services may end or stop a program, so that what else is given must come first.
 FIRST_TEXT, FIRST_CALL = 6, 8  # turns
 STAYS = 3  # turns, in which something may come of a call, or of a message that holds no number
@@ -107,14 +108,16 @@ class Given:
                     call["seconds"] = time.monotonic() - call["seconds"]
 
     def _turns(self) -> None:
-        watch = self._watch
+        watch, waited = self._watch, 0.0
         while self._number < TURNS:
             self._note_ends()
             before, nodes, self._last = self._alive(), len(watch.nodes()), {}
             self._give()
             self._number += 1
-            if watch.is_answering:
+            if watch.is_answering and waited < SECONDS:
+                start = time.monotonic()
                 watch.is_answering = watch.settle(watch.patience)
+                waited += time.monotonic() - start
             watch.until(lambda: False, PAUSE)
             if len(watch.nodes()) < nodes:  # before its program ends, so that nothing else is given meanwhile
                 watch.until(lambda: self._alive() < before, watch.patience)  # noqa: B023
@@ -128,32 +131,15 @@ class Given:
 
     def _give(self) -> None:
         """Publish on each topic without a publisher, call each service, and provide each that is called."""
-        for do, name, kind in [*self._wanted()]:
+        do = {"publish": self._publish, "call": self._call, "provide": self._provide}
+        for how, name, kind in [*wanted(self._watch, manages=self._manages)]:
+            if how not in do:
+                self.ungiven[name] = kind
+                continue
             try:
-                do(name, find_type(kind))
+                do[how](name, find_type(kind))
             except Exception:  # rclpy raises many kinds for types and names it cannot use
                 self.ungiven[name] = kind
-
-    def _wanted(self) -> Iterator[tuple[Callable[[str, Any], None], str, str]]:
-        """Yield what to do, each with the name of a topic or a service and its type; not what nodes do among themselves."""
-        watch = self._watch
-        for topic, nodes in sorted(watch.subscribes.items())[:TOPICS]:
-            if topic not in HIDDEN_TOPICS and topic not in watch.publishes and "/_" not in topic:
-                yield self._publish, topic, next(iter(nodes.values()))[0]
-        offered, called = dict[str, str](), dict[str, str]()
-        for name in sorted(set(watch.nodes()))[:NODES]:
-            space, _, base = name.rpartition("/")
-            with contextlib.suppress(NodeNameNonExistentError):  # it has just left
-                offered |= _own(watch.node.get_service_names_and_types_by_node(base, space or "/"))
-                called |= _own(watch.node.get_client_names_and_types_by_node(base, space or "/"))
-        for do, services, others in ((self._call, offered, called), (self._provide, called, offered)):
-            for service, kind in services.items():
-                if service in others or kind.startswith(OF_ACTIONS):
-                    continue
-                if ACTION in service:
-                    self.ungiven[service.partition(ACTION)[0]] = kind.partition("_")[0]
-                elif not kind.startswith(OF_MANAGED) or (self._manages and kind == MANAGES):
-                    yield do, service, kind
 
     def _publish(self, topic: str, message: Any) -> None:
         is_event = {*message.get_fields_and_field_types().values()} <= {"string", "boolean"}
@@ -204,6 +190,27 @@ class Given:
         self._counts[name] += 1
         self._last[name] = plain(message)
         return message
+
+
+def wanted(watch: Watch, *, manages: bool = True) -> Iterator[tuple[str, str, str]]:
+    """Yield what nodes wait for, and do not bring each other: `publish`, `call`, `provide` or `act`, a name and its type."""
+    for topic, nodes in sorted(watch.subscribes.items())[:TOPICS]:
+        if topic not in HIDDEN_TOPICS and topic not in watch.publishes and "/_" not in topic:
+            yield "publish", topic, next(iter(nodes.values()))[0]
+    offered, called = dict[str, str](), dict[str, str]()
+    for name in sorted(set(watch.nodes()))[:NODES]:
+        space, _, base = name.rpartition("/")
+        with contextlib.suppress(NodeNameNonExistentError):  # it has just left
+            offered |= _own(watch.node.get_service_names_and_types_by_node(base, space or "/"))
+            called |= _own(watch.node.get_client_names_and_types_by_node(base, space or "/"))
+    for how, services, others in (("call", offered, called), ("provide", called, offered)):
+        for service, kind in services.items():
+            if service in others or kind.startswith(OF_ACTIONS):
+                continue
+            if ACTION in service:
+                yield "act", service.partition(ACTION)[0], kind.partition("_")[0]
+            elif not kind.startswith(OF_MANAGED) or (manages and kind == MANAGES):
+                yield how, service, kind
 
 
 def _own(found: Any) -> dict[str, str]:

@@ -331,6 +331,7 @@ class Job:
             twins=seen.get("twins", []),
             stalled=seen.get("stalled", []),
             services=seen.get("services", {}),
+            waits=seen.get("waits", []),
             given=seen.get("given", []),
             gave=seen.get("gave", {}),
             ungiven=seen.get("ungiven", {}),

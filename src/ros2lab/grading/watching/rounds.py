@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
-from ros2lab.every_node import HIDDEN_TOPICS
 from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
 from ros2lab.grading.judging.player import is_done, is_for_want, is_timers
 from ros2lab.grading.judging.players import may_end
@@ -52,7 +51,8 @@ def watch(
     launches = [*_launches(submission, facts, built)] if built.is_built else []
     if not programs and not launches:
         return []
-    watching = _Watching(observer, facts, programs, launches, show)
+    lacking = {one.name for one in built.executables if {*one.absent} - {KEYBOARD}}
+    watching = _Watching(observer, facts, programs, launches, lacking=lacking, show=show)
     while True:
         watching.each()
         watching.again_unchecked()
@@ -95,10 +95,12 @@ class _Watching:
         facts: Files,
         programs: Sequence[Program],
         launches: Sequence[Program],
+        *,
+        lacking: Collection[str],
         show: Show,
     ) -> None:
         self.runs: list[Run] = []
-        self._observer, self._facts, self._show = observer, facts, show
+        self._observer, self._facts, self._lacking, self._show = observer, facts, lacking, show
         self._assignment = observer.assignment
         self._programs, self._launches = programs, launches
         self._together: list[Run] = []  # the run of all programs together
@@ -248,7 +250,9 @@ class _Watching:
 
     def given(self) -> None:
         """Watch all together once more, and give them what they may wait for, if any seems to wait."""
-        if self._programs and _is_waiting(self._assignment, self.runs):
+        is_lacking = any(program.name in self._lacking for program in self._programs)
+        is_open = is_lacking or bool(_waited_for(self.runs))
+        if self._programs and is_open and _is_waiting(self._assignment, self.runs):
             self._show("watching them with what they may wait for")
             self.runs += self._observer.watch([Job.given(self._programs, self._facts.contents)])
 
@@ -366,7 +370,7 @@ def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
 
 def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
     """Return whether nothing came of a part: its node may wait for something, or make its end only then."""
-    is_open = any(_open_topics(run) for run in runs)
+    is_open = bool(_waited_for(runs))
     for part in assignment.parts.values():
         if part.commands and _is_deaf(part, runs):
             return True
@@ -388,9 +392,9 @@ def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
     return False
 
 
-def _open_topics(run: Run) -> set[str]:
-    """Return the topics on which nothing comes, but commands."""
-    return run.subscribes.keys() - run.publishes.keys() - HIDDEN_TOPICS - {run.commanded}
+def _waited_for(runs: Sequence[Run]) -> set[str]:
+    """Return what nodes wait for, less what others publish."""
+    return {name for run in runs for name in run.waits}.difference(*(run.publishes for run in runs))
 
 
 def _is_deaf(part: Part, runs: Sequence[Run]) -> bool:
@@ -399,7 +403,7 @@ def _is_deaf(part: Part, runs: Sequence[Run]) -> bool:
     answered = any(
         command.log or command.topics or command.parameters for run in told for command in run.commands
     )
-    return not answered and any(_open_topics(run) for run in told)
+    return not answered and any(run.waits for run in told)
 
 
 def _is_at_work(part: Part, run: Run) -> bool:
