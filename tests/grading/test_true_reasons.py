@@ -190,10 +190,8 @@ def test_entry_points_that_are_written_are_not_asked_for_again() -> None:
     ("never", "begins", "points", "said"),
     [
         (["repeats"], False, 2.0, "Nothing came, for the code publishes only once"),
-        (["repeats", "finite"], False, 0, "There were no numbers"),
         ([], False, 0, "There were no numbers"),
         ([], True, 2.0, "Nothing came, for the code publishes at its start and hangs"),
-        (["finite"], True, 0, "There were no numbers"),
     ],
 )
 def test_what_is_published_only_once_is_charged_where_it_is_to_come_again(

@@ -35,6 +35,7 @@ _OF_VALUES = re.compile(
     r"^(?:[\w.]*\.)?(?:ValueError|KeyError|IndexError|\w*Decode\w*Error|SyntaxError|ZeroDivisionError)\b",
     re.MULTILINE,
 )
+_RAISED = re.compile(r"^[\w.]+(?:Error|Exception|error)\b[^\n]*\Z", re.MULTILINE)
 
 
 class Excuse(NamedTuple):
@@ -127,7 +128,7 @@ def _failed(case: Case, players: Sequence[Player]) -> str:
     for program in {player.program for player in players if player.end is None}:
         executable = case.executables.get(program)
         said = next((run.ended[program] for run in runs if program in run.ended), "")
-        is_its_own = "Traceback (most recent call last)" in said and not is_for_want(said)
+        is_its_own = _RAISED.search(said) and not is_for_want(said)
         if (
             executable
             and executable.absent
