@@ -26,7 +26,7 @@ from ros2lab.grading.reading.absent import named_places
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 
-ODOMETRY = "nav_msgs/msg/Odometry"
+ODOMETRY, STRING = "nav_msgs/msg/Odometry", evidences.STRING
 WANT = (
     "Traceback (most recent call last):\nAttributeError: type object 'NotInstalledHere' has no attribute 'x'"
 )
@@ -289,18 +289,28 @@ _LAST = "Traceback (most recent call last):\n"
     [
         ({"gave": {"/odom": ODOMETRY}}, 9),
         ({"gave": {"/odom": ODOMETRY}, "ended": {evidences.VELOCITY: f"{_LAST}IndexError: 9"}}, 9),
+        (
+            {
+                "gave": {"/odom": ODOMETRY, "/robot/command": STRING},
+                "ended": {evidences.VELOCITY: "ValueError: x"},
+            },
+            9,
+        ),
         ({"gave": {"/odom": evidences.STRING}, "ended": {evidences.VELOCITY: f"{_LAST}ValueError: x"}}, 20),
         ({"gave": {"/odom": evidences.STRING}, "ended": {evidences.VELOCITY: f"{_LAST}NameError: x"}}, 9),
         ({"ungiven": {"/dock": "dock_msgs/action/Dock"}}, 20),
         ({"gave": {"/odom": ODOMETRY}, "ungiven": {"/dock": "dock_msgs/action/Dock"}}, 20),
         ({"gave": {}}, 20),  # older evidence, of default values
-        ({"gave": {"/odom": ODOMETRY}, "unfinished": "others of the submission took 300 s"}, 20),
+        ({"given": [], "nodes": [], "unfinished": "others of the submission took 300 s"}, 20),
     ],
 )
 def test_what_was_given_is_not_waited_for(changes: dict[str, Any], points: float) -> None:
     """A node that got all that it could wait for, and did nothing, does nothing; what could not be given is left open."""
     silent = _silent(["/odom"])
-    takes = {"/odom": {"/velocity_publisher": [ODOMETRY]}}
+    takes = {
+        "/odom": {"/velocity_publisher": [ODOMETRY]},
+        "/robot/command": {"/command_subscriber": [STRING]},
+    }
     last = replace(silent.runs[-1], quiet={}, subscribes=takes, **changes)
     grade = _graded(replace(silent, runs=[*silent.runs[:-1], last]))
     assert grade.components["velocity_publisher"].points == points
@@ -487,3 +497,39 @@ def test_folders_of_another_machine_are_named_by_paths() -> None:
     """Those in which files lie, and what lies in a home; a topic is none, and nothing leads upwards."""
     text = "A = '/home/ada/logs', '/data/run/x.csv', '/robot/status', '/home/../etc/x.txt', '/x.txt', 'a/b.txt', '/./.'\n"
     assert named_places([PythonSource("x", "x.py", text)]) == ["/data/run", "/home/ada/logs"]
+
+
+@pytest.mark.parametrize(
+    ("said", "points"),
+    [
+        ("ValueError: day is out of range for month", 9),
+        ("struct.error: ubyte format requires 0 <= number <= 255", 9),
+        (WANT, 20),
+        ("", 20),
+    ],
+)
+def test_an_error_of_its_own_where_a_stand_in_says_yes_is_charged(said: str, points: float) -> None:
+    """What it lacks is no reason for it; an end for want of it is."""
+    silent = evidences.runs(evidences.velocity_run(values=[]))(_needing(evidences.VELOCITY))
+    ended = {evidences.VELOCITY: f"  day = f()\n{said}"} if said else {}
+    last = replace(evidences.velocity_run(values=[]), setting=GIVEN, ended=ended)
+    grade = _graded(replace(silent, runs=[*silent.runs, last]))
+    assert grade.components[evidences.VELOCITY].points == points
+
+
+def test_a_stand_in_says_yes_where_something_is_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What waits for a switch goes on."""
+    monkeypatch.setenv(stand_in.SAYS_YES, "1")
+    text = Path(stand_in.__file__).read_text(encoding="utf-8")
+    (tmp_path / "switch_of_nobody.py").write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    finders = [*sys.meta_path]
+    import switch_of_nobody as switch  # type: ignore[import-not-found]
+
+    told = switch.read(17)
+    assert told == switch.HIGH
+    assert [bool(told), told > 3, told < 3] == [True] * 3
+    assert float(told) == int(told) == len(told) == len([*told]) == 1
+    sys.meta_path[:] = finders

@@ -133,7 +133,7 @@ def _failed(case: Case, players: Sequence[Player]) -> str:
             executable
             and executable.absent
             and is_its_own
-            and not any(_ended_by_text(run, players) for run in runs)
+            and not any(_ended_by_text(case, run, players) for run in runs)
         ):
             return f"where what it lacks says yes, it ends with {said.strip().splitlines()[-1]}"
     return ""
@@ -170,7 +170,7 @@ def _not_given(case: Case, part: Part, players: Sequence[Player]) -> str:
         missing &= {topic for player in players for topic in _taken(player.run, {player.node})}
     if missing:
         return f"{players[0].node} waits for what nobody here brings on {', '.join(sorted(missing))}"
-    ended = (_ended_by_text(run, players) for run in runs)
+    ended = (_ended_by_text(case, run, players) for run in runs)
     late = (run.unfinished for run in runs if not run.nodes)
     return next(filter(None, (*ended, *late)), "")
 
@@ -183,11 +183,13 @@ def _of_others(case: Case, run: Run) -> Iterator[str]:
             yield name
 
 
-def _ended_by_text(run: Run, players: Sequence[Player]) -> str:
+def _ended_by_text(case: Case, run: Run, players: Sequence[Player]) -> str:
     """Return a clause if a made-up text ended a player's program: a text may be read as anything."""
     for player in players:
         said = run.ended.get(player.program, "")
-        texts = {topic for topic in _taken(run, {*player.run.nodes}) if run.gave.get(topic) == TEXTS}
+        alone = (run for run in case.evidence.runs if run.programs == [player.program])
+        nodes = {player.node}.union(*(run.nodes for run in alone))
+        texts = {topic for topic in _taken(run, nodes) if run.gave.get(topic) == TEXTS}
         if texts and _OF_VALUES.search(said):
             return f"{player.program} ended with a made-up text, and nobody here brings any other on {', '.join(sorted(texts))}"
     return ""
