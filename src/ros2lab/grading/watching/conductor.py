@@ -152,7 +152,7 @@ class Conductor:
         is_followed = self.plan["has_commands"]
         calls = list[dict[str, Any]]() if is_followed else self._calls
         contents, programs = self.plan["contents"], self.plan["programs"]
-        self._given = Given(watch, contents, calls, programs, lambda: self._alive, manages=is_followed)
+        self._given = Given(watch, contents, calls, programs, lambda: self._alive, is_thorough=is_followed)
         try:
             self._given.give_all()
         finally:

@@ -23,6 +23,9 @@ from ros2lab.topics import find_type, type_name
 PAUSE = 0.08  # s between two turns
 TURNS = 32
 SECONDS = 8.0  # s in all turns, in which nodes that are slow to answer are waited for
+# Then what was given stays as it is, in some ways, for as long as a timer of two seconds takes.
+HOLDS, HOLD = 8, 2.2  # s
+LONGEST = 28.0  # s in all
 # Texts and services may end or stop a program, so that what else is given must come first.
 FIRST_TEXT, FIRST_CALL = 6, 8  # turns
 STAYS = 3  # turns, in which something may come of a call, or of a message that holds no number
@@ -44,7 +47,8 @@ class Given:
         calls: where the calls of services are noted.
         programs: how many programs were started.
         alive: returns how many of them have not ended.
-        manages: whether managed nodes are told to configure and to activate themselves.
+        is_thorough: whether managed nodes are told to configure and to activate themselves, and silent ones are
+            waited for.
 
     Attributes:
         types: what was given, each topic and service with its type.
@@ -60,15 +64,17 @@ class Given:
         programs: int,
         alive: Callable[[], int],
         *,
-        manages: bool,
+        is_thorough: bool,
     ) -> None:
         self.types: dict[str, str] = {}
         self.ungiven: dict[str, str] = {}
         self.fatal: list[dict[str, Any]] = []
-        self._watch, self._contents, self._calls, self._manages = watch, contents, calls, manages
+        self._watch, self._contents, self._calls, self._is_thorough = watch, contents, calls, is_thorough
         self._living, self._alive = programs, alive
         self._now = lambda: watch.node.get_clock().now().to_msg()
         self._number = 0  # of the turn
+        self._hold: int | None = None
+        self._flags: list[str] = []  # the topics of a single flag
         self._counts: dict[str, int] = defaultdict(int)  # what was given on each topic or service
         self._last: dict[str, Any] = {}  # what was given in this turn
         self._said: dict[str, set[str]] = defaultdict(set)  # by type, the messages that were given
@@ -98,8 +104,11 @@ class Given:
             Gone: if all programs have ended.
         """
         self._watch.part()  # what follows is heard alone
+        start = time.monotonic()
         try:
             self._turns()
+            if self._is_thorough:
+                self._holds(start + LONGEST)
             self._watch.until(lambda: all(answer.done() for answer in self._pending.values()), ANSWER_TIMEOUT)
         finally:
             self._note_ends()
@@ -124,6 +133,23 @@ class Given:
             watch.check()
             watch.look_again()
 
+    def _holds(self, end: float) -> None:
+        """Give everything once more, and leave it so for a while; again, until no publisher is silent."""
+        watch = self._watch
+
+        def is_heard() -> bool:
+            return all(watch.ears[topic].total for topic in watch.publishes if topic in watch.ears)
+
+        for number in range(HOLDS):
+            if is_heard() or time.monotonic() > end:
+                return
+            self._note_ends()
+            self._hold = number
+            self._give()
+            watch.until(is_heard, HOLD)
+            watch.check()
+            watch.look_again()
+
     def _note_ends(self) -> None:
         """Note for the programs that have ended meanwhile what was given last."""
         self.fatal += [self._last] * (self._living - self._alive())
@@ -132,7 +158,7 @@ class Given:
     def _give(self) -> None:
         """Publish on each topic without a publisher, call each service, and provide each that is called."""
         do = {"publish": self._publish, "call": self._call, "provide": self._provide}
-        for how, name, kind in [*wanted(self._watch, manages=self._manages)]:
+        for how, name, kind in [*wanted(self._watch, manages=self._is_thorough)]:
             if how not in do:
                 self.ungiven[name] = kind
                 continue
@@ -143,12 +169,17 @@ class Given:
 
     def _publish(self, topic: str, message: Any) -> None:
         is_event = {*message.get_fields_and_field_types().values()} <= {"string", "boolean"}
-        if self._number < FIRST_TEXT * (type_name(message) == TEXTS) or (is_event and self._number % STAYS):
+        is_early = self._number < FIRST_TEXT * (type_name(message) == TEXTS)
+        if self._hold is None and (is_early or (is_event and self._number % STAYS)):
             return
         if topic not in self._publishers:
             node = self._watch.holding(topic, type_name(message))
             self._publishers[topic] = node.create_publisher(message, topic, LATCHED, event_callbacks=UNTOLD)
         made = self._filled(topic, message())
+        if [*made.get_fields_and_field_types().items()] == [("data", "boolean")]:
+            self._flags += [topic] if topic not in self._flags else []
+            if self._hold is not None:  # the flags in each way that there is; first all are set
+                made.data = not self._hold >> self._flags.index(topic) & 1
         self._publishers[topic].publish(made)
         self._said[type_name(message)].add(_text(plain(made)))
         self.types[topic] = type_name(message)
@@ -167,7 +198,7 @@ class Given:
             return
         request = self._filled(service, kind.Request())
         if is_begun:
-            request.transition.id = BEGIN[self._counts[service] - 1]
+            request.transition.id, request.transition.label = BEGIN[self._counts[service] - 1], ""
         call = {"service": service, "request": plain(request), "response": None, "seconds": time.monotonic()}
         self._calls.append({**call, "is_repeated": False, "is_alive": True, "topics": {}})
         self._pending[service] = client.call_async(request)
