@@ -57,7 +57,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ("manifest-invalid", "build-type-missing", "build-type-unknown", "build-type-cmake"),
     ("setup-syntax", "setup-missing", "setup-import", "name-undefined-in-setup"),
     ("package-name", "setup-value", "entry-point-comma", "entry-point-spec", "entry-point-twice"),
-    ("package-folder-missing", "marker-missing", "data-file-missing"),
+    ("package-folder-missing", "marker-missing", "interface-refused", "data-file-missing"),
     (
         "setup-cfg-dashes",
         "setup-cfg-missing",

@@ -39,6 +39,7 @@ from ros2lab.diagnose.nodes.topic_faults import End, ends_of, topic_faults
 from ros2lab.diagnose.packaging.build_order import BuildOrder
 from ros2lab.diagnose.packaging.for_ros import is_for_ros
 from ros2lab.diagnose.packaging.installed import environment_faults, install_faults, prefix_of
+from ros2lab.diagnose.packaging.interface_files import interface_faults
 from ros2lab.diagnose.packaging.layout_faults import duplicate_faults, layout_faults
 from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, homes_of, manifest_faults
 from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
@@ -150,6 +151,7 @@ class Look:
             if not is_plain:
                 of_manifest = _each_once(guarded(manifest_faults, package, by_name, plain, homes))
                 yield from order.proposed(package, of_manifest)
+            yield from guarded(interface_faults, package, self.interfaces, self.files)
             of_package = guarded(packaging_faults, package, is_for_ros=not is_plain, is_as_meant=True)
             yield from (f for f in of_package if (f.code, package.name, *f.about) not in elsewhere)
             yield from source_faults(self.sources(package), package.mains)

@@ -159,6 +159,8 @@ class Unreached:
                 )
                 if found and isinstance(around, ast.If) and around.orelse == [owner]:
                     found = found.only_if(around.test, "not true")
+            case ast.For() if "stdin" in ast.unparse(owner.iter):
+                found = None  # nobody types anything here
             case ast.For() if self.record.count(source, owner):
                 loop = f"the loop over {ast.unparse(owner.iter)} on line {owner.lineno}"
                 found = Reason(f"{loop} had nothing to go through", source.at(owner))

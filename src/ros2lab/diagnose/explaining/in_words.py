@@ -89,7 +89,7 @@ def _in_words(
         do = filling(f"{groups['package']}.msg.{groups['wanted']}", sent[0], groups["given"])
     elif "what" in groups and "name" in groups:
         do = _field_fix(spot_at(place, look), groups) or do
-    return Finding(code, cause, place, do)
+    return Finding(code, cause, place or meaning.place, do)
 
 
 def _of_value(said: Finding, groups: Mapping[str, str], error: ErrorText, look: Look) -> Finding:

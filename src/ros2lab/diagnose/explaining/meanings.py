@@ -6,6 +6,13 @@ from ros2lab.diagnose.explaining.meaning import Meaning, meaning
 from ros2lab.diagnose.explaining.node_meanings import NODE_MEANINGS
 from ros2lab.diagnose.sources.interfaces import nearest_module
 
+
+def _with_layout(name: str) -> str:
+    """Say how to build where the folder install has a layout already."""
+    there, other = ("colcon build", "colcon build --merge-install")[:: 1 if name == "isolated" else -1]
+    return f"type `{there}`; or `rm -r build install log` and `{other}`, and source install/setup.bash in a new terminal"
+
+
 # The first match counts, so special meanings come before general ones.
 MEANINGS: tuple[Meaning, ...] = (
     # Building
@@ -25,7 +32,12 @@ MEANINGS: tuple[Meaning, ...] = (
         r"was created with the layout '(?P<name>\w+)'",
         "link-stale",
         "The folder install has the layout {name}, but this build asks for the other one, and a folder cannot hold both: isolated is without --merge-install, merged with it.",
-        "build with the layout that is there; or rm -r build install log, build again with these, and source install/setup.bash in a new terminal",
+        _with_layout,
+        "install/.colcon_install_layout",
+    ),
+    meaning(
+        r"^Error processing '.+' of '|is an invalid (?:field|constant|message|package) name|find (?:unique )?separator '---'|Number of '---' separators|can not be converted to type '|iterable contains duplicate names|rosidl_adapter\.parser\.",
+        "interface-refused",
     ),
     meaning(
         r"Duplicate package names not supported",

@@ -125,7 +125,7 @@ NODE_MEANINGS: tuple[Meaning, ...] = (
         r"Logger severity cannot be changed between calls",
         "python-error",
         "rclpy remembers the severity of each logging line, but this line logs sometimes with one severity and sometimes with another.",
-        "log on a line of its own for each severity, such as `self.get_logger().info(...)` in one branch of an `if` and `self.get_logger().error(...)` in another",
+        "call the logger on a line of its own for each severity that the line has now, each in its own branch of an `if`",
     ),
     meaning(
         r"UnknownROSArgsError: \[(?P<name>.*)\]",

@@ -130,7 +130,8 @@ def _sentence(line: str, error: ErrorText, look: Look) -> Finding | None:
         quoted = re.findall(r"'([^']+)'", sentence)
         meant = re.search(r"(?i:did you mean|possible options:) '?([\w/-]+)", sentence)
         known = set(_names(look)) if meant is None else set()
-        wrong, close = next(((word, name) for word in quoted if (name := nearest(word, known))), ("", None))
+        alike = ((word, nearest(word, (n for n in known if _has_its_form(n, word)))) for word in quoted)
+        wrong, close = next((pair for pair in alike if pair[1]), ("", None))
         hint = f" Nothing here is called {wrong}; there is {close}." if close else ""
         word = close or (meant[1] if meant else None)
         form = re.search(r"expected format '(.+?)'", sentence)
@@ -140,6 +141,11 @@ def _sentence(line: str, error: ErrorText, look: Look) -> Finding | None:
         if word or not LABELLED.match(line):
             return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
     return None
+
+
+def _has_its_form(name: str, word: str) -> bool:
+    """Return whether a word has as many levels as a name, and so may be meant for it; `pkg/Type` is no package."""
+    return name.strip("/").count("/") == word.strip("/").count("/") and ":" not in word
 
 
 def is_bare(finding: Finding) -> bool:

@@ -52,7 +52,7 @@ def unknown_arguments(path: Path, shown: str, lost: Sequence[Mapping[str, Any]])
         alike = [one for one in free if {*name.split("_")} & {*one.split("_")}]
         meant = nearest(name, free) or (alike[0] if len(alike) == 1 else "")
         has = in_a_row(free)
-        cause = f"{other.name} has no argument {name}, so it is ignored; it has {has}."
+        cause = f"{other.name} has no argument {name}, so {name} is ignored; {other.name} has {has}."
         fix = f"write {meant!r} instead of {name!r}" if meant else nothing_like(name, other.name, is_own=True)
         place = _line_from(text, found["line"], name)
         yield Finding("launch-unused", cause, at(shown, place), f"{fix}, and build again")

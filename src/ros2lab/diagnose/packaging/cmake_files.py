@@ -10,6 +10,7 @@ from ros2lab.diagnose.finding import Finding, at, line_with
 from ros2lab.diagnose.sources.cmake_programs import commands_in
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
+from ros2lab.diagnose.sources.spelling import nearest
 
 _TAKES_FILES = re.compile(
     r"^[ \t]*(?:rosidl_generate_interfaces|add_executable|add_library|install)\s*\(([^()]*)\)", re.MULTILINE
@@ -27,7 +28,12 @@ def named_by_cmake(package: SourcePackage) -> Iterator[Finding]:
     if lost := [name for name in named if not package.has(name)]:
         are, them = ("are", "them") if len(lost) > 1 else ("is", "it")
         cause = f"CMakeLists.txt takes {', '.join(lost)}, but there {are} no such file{'s' * (them == 'them')}, so the build stops."
+        there = [path.relative_to(package.folder).as_posix() for path in package.own_files()]
         fix = f"create {them} in {package.shown('')}, or remove {them} from CMakeLists.txt"
+        if near := nearest(
+            lost[0], [path for path in there if Path(path).suffix == Path(lost[0]).suffix], 0.85
+        ):
+            fix = f"write {near} instead of {lost[0]}"
         yield Finding(
             "data-file-missing", cause, at(package.shown("CMakeLists.txt"), line_with(text, lost[0])), fix
         )

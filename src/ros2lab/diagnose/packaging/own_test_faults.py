@@ -12,7 +12,7 @@ from importlib.metadata import entry_points
 from shlex import quote
 
 from ros2lab.diagnose.code.main_guards import is_guard
-from ros2lab.diagnose.finding import Finding, at, lines_in_words
+from ros2lab.diagnose.finding import Finding, at, in_a_row, lines_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, read_text
@@ -99,7 +99,8 @@ def _not_run(source: PythonSource) -> Iterator[Finding]:
         yield Finding("never-called", cause, place, fix)
     elif source.name != "conftest":
         new = f"test_{source.name.removesuffix('_tests').removesuffix('_checks')}.py"
-        cause = f"pytest looks only at files named test_*.py, so {name}() in {source.name}.py is never run."
+        who = f"{name}()" if len(tests) == 1 else f"none of {in_a_row([f'{test.name}()' for test in tests])}"
+        cause = f"pytest looks only at files named test_*.py or *_test.py, so {who} in {source.name}.py is {'never' if len(tests) == 1 else 'ever'} run."
         others = [test.name for test in tests if not test.name.startswith("test")]
         more = f", and begin the names of its functions with test_ ({', '.join(others)})" if others else ""
         fix = f"mv {quote(source.shown)} {quote(source.shown.rpartition('/')[0] + '/' + new)}{more}"
