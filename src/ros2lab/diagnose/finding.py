@@ -144,6 +144,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "parameter-octal",
         "parameter-once",
         "remap-unknown",
+        "namespace-unused",
         "parameter-replaced",
     ),
     ("program-ends", "no-node", "not-spinning", "never-activated", "never-ends"),

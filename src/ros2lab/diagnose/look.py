@@ -20,6 +20,7 @@ from ros2lab.diagnose.launching.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launching.launch_loaded import load
 from ros2lab.diagnose.launching.parameter_names import passed_over, set_back
 from ros2lab.diagnose.launching.remapped_names import unknown_names
+from ros2lab.diagnose.launching.shared_names import SharedNames
 from ros2lab.diagnose.launching.started_faults import (
     Started,
     alternatives,
@@ -276,6 +277,10 @@ class Look:
                 yield from guarded(self._faults_of_started, launch_file)
                 yield from guarded(unknown_names, launch_file, nodes)
                 yield from guarded(keyboard_faults, launch_file, nodes)
+                texts = [*(source.text for source in self.files), *map(read_text, self.launch_paths)]
+                elsewhere = partial(self._partners.may_be_elsewhere, is_whole=True)
+                shared = SharedNames(launch_file, nodes, self._with_sources, texts, elsewhere)
+                yield from guarded(shared.faults)
                 if path.suffix == ".py":
                     yield from guarded(awaited_ends, read_source(path, path.stem, launch_file.shown), nodes)
 

@@ -28,9 +28,9 @@ class Partners:
         self._files = files or OtherFiles()
         self._groups = groups
 
-    def may_be_elsewhere(self, name: str) -> bool:
+    def may_be_elsewhere(self, name: str, *, is_whole: bool = False) -> bool:
         """Return whether a file that is not read names a topic or a service, so that it may have the other end."""
-        return self._files.name(name)
+        return self._files.name(name, is_whole=is_whole)
 
     def are_together(self, end: _End, other: _End, there: Collection[_End] = ()) -> bool:
         """Return whether two ends are meant to run at the same time: two exercises may use one name.

@@ -343,7 +343,7 @@ class _Interface:
                 if any(x < a and b <= y for x, y in itertools.pairwise(edges))
             ]
             place, fix = (
-                at(place, (pairs or [(None, None)])[0][1]),
+                at(place, pairs[0][1] if pairs else None),
                 "give this one another name, or remove it",
             )
         yield Finding("interface-refused", cause, place, f"{fix}; then build again", (self.package.name,))

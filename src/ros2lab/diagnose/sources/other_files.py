@@ -26,9 +26,11 @@ class OtherFiles:
     def __init__(self, packages: Iterable[SourcePackage] = ()) -> None:
         self._packages = tuple(packages)
 
-    def name(self, name: str) -> bool:
-        """Return whether any of the files contains a name of a topic or a service, as a word of its own."""
+    def name(self, name: str, *, is_whole: bool = False) -> bool:
+        """Return whether any of the files contains a name of a topic or a service, as a word of its own, or as a whole."""
         pattern = re.compile(rf"(?<![\w-]){re.escape(name.lstrip('~/'))}(?![\w-])")
+        if is_whole:
+            pattern = re.compile(rf"(?<![\w/-]){re.escape(name)}(?![\w/-])")
         return any(pattern.search(text) for text in self._texts)
 
     @cached_property

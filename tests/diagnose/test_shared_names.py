@@ -1,0 +1,132 @@
+"""Namespaces of launch files that the names in the code do not take."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from right_workspace import right_workspace
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+
+DRONE = """\
+import rclpy
+from geometry_msgs.msg import Point
+from rclpy.node import Node
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+class Drone(Node):
+    def __init__(self):
+        super().__init__('drone')
+        self.size = self.declare_parameter('size', 1.0).value
+        self.who = self.declare_parameter('who', '').value
+        MAKE
+
+    def move(self):
+        self.out.publish(Point(x=self.size))
+
+    def hear(self, msg):
+        self.get_logger().info(msg.data)
+
+    def land(self, request, response):
+        return response
+
+
+def main(args=None):
+    rclpy.init(args=args)
+    rclpy.spin(Drone())
+"""
+PUBLISH = "self.out = self.create_publisher(Point, '/pose', 10); self.create_timer(1.0, self.move)"
+RELATIVE = PUBLISH.replace("/pose", "pose")
+LISTEN = "self.create_subscription(String, '/order', self.hear, 10)"
+SERVE = "self.create_service(Trigger, '/land', self.land)"
+NODE = "Node(package='my_bot', executable='drone'"
+TWO = f"{NODE}, namespace='red'), {NODE}, namespace='blue')"
+WITH = TWO.replace(")", ", parameters=[{'KEY': VALUE}])")
+
+
+def _launched(nodes: str, comment: str = "") -> str:
+    return f"""\
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, GroupAction
+from launch.conditions import IfCondition, UnlessCondition
+from launch.substitutions import LaunchConfiguration
+from launch_ros.actions import Node, PushRosNamespace
+
+
+def generate_launch_description():
+    # {comment}
+    return LaunchDescription([{nodes}])
+"""
+
+
+def _found(root: Path, make: str, nodes: str, comment: str = "", other: str = "") -> list[Finding]:
+    files = right_workspace().put("my_bot/drone.py", DRONE.replace("MAKE", make))
+    row = "'drone = my_bot.drone:main',\n            'tower = my_bot.tower:main',\n            "
+    files = files.change("setup.py", "'console_scripts': [", f"'console_scripts': [{row}")
+    tower = DRONE.replace("MAKE", other or "pass").replace("Drone", "Tower").replace("'drone'", "'tower'")
+    files = files.put("my_bot/tower.py", tower)
+    files = files.put("launch/two.launch.py", _launched(nodes, comment))
+    look = Look(files.write(root), loads=True)
+    assert all(file.is_loaded for file in look.launch_files), look.launch_files
+    return [finding for finding in look.findings if finding.code == "namespace-unused"]
+
+
+def _values(key: str, one: object, other: object) -> str:
+    return WITH.replace("KEY", key).replace("VALUE", repr(one), 1).replace("VALUE", repr(other), 1)
+
+
+GROUPS = ", ".join(f"GroupAction([PushRosNamespace('{space}'), {NODE})])" for space in ("red", "blue"))
+CHOICE = (
+    "DeclareLaunchArgument('real', default_value='true'), "
+    f"{NODE}, namespace='red', condition=IfCondition(LaunchConfiguration('real'))), "
+    f"{NODE}, namespace='blue', condition=UnlessCondition(LaunchConfiguration('real')))"
+)
+REMAPPED = TWO.replace(")", ", remappings=[('/pose', 'pose')])")
+TOWER = "Node(package='my_bot', executable='tower'"
+READS = "self.create_subscription(Point, '/pose', self.hear, 10)"
+SENDS = "self.out = self.create_publisher(String, '/order', 10)"
+
+
+@pytest.mark.parametrize(
+    ("how", "names"),
+    [
+        ((PUBLISH, TWO, "", ""), "/pose"),
+        ((f"{PUBLISH}; {LISTEN}", _values("size", 1.0, 2.0), "", ""), "/pose /order"),
+        ((PUBLISH, GROUPS, "", ""), "/pose"),
+        ((SERVE, TWO, "", ""), "/land"),
+        ((SERVE, _values("who", "red", "blue"), "", ""), "/land"),
+        ((LISTEN, TWO, "", ""), "/order"),
+        # Each drone has a tower of its own.
+        ((PUBLISH, f"{TWO}, {TWO.replace('drone', 'tower')}", "", READS), "/pose"),
+        (
+            (f"{PUBLISH}; {LISTEN.replace('/order', 'order')}", TWO, "as /red/pose and /blue/pose", ""),
+            "/pose",
+        ),
+        ((PUBLISH, f"{NODE}, namespace='red')", "the tower reads red/pose", ""), "/pose"),
+        # Who it is, is told where it sends, or what comes is for all.
+        ((PUBLISH.replace("Point,", "Point, ").replace("10)", "10); self.get_name()"), TWO, "", ""), ""),
+        ((PUBLISH, _values("who", "red", "blue"), "", ""), ""),
+        ((LISTEN, _values("size", 1.0, 2.0), "", ""), ""),
+        ((f"{LISTEN}; {RELATIVE}", TWO, "", ""), ""),
+        ((f"{PUBLISH}; {LISTEN.replace('/order', 'order')}", TWO, "", ""), ""),
+        ((PUBLISH, f"{TWO}, {TOWER})", "", READS), ""),
+        ((LISTEN, TWO, "", SENDS), ""),
+        ((f"{SENDS}; {LISTEN}", TWO, "", ""), ""),
+        ((PUBLISH.replace("/pose", "/tf"), TWO, "", ""), ""),
+        # Nothing is set in vain.
+        ((RELATIVE, TWO, "as /red/pose", ""), ""),
+        ((PUBLISH, f"{NODE}, name='red'), {NODE}, name='blue')", "", ""), ""),
+        ((PUBLISH, f"{NODE}, namespace='red')", "", ""), ""),
+        ((PUBLISH, REMAPPED, "as /red/pose", ""), ""),
+        ((PUBLISH, CHOICE, "", ""), ""),
+        (("self.out = self.create_publisher(Point, self.who, 10)", TWO, "", ""), ""),
+    ],
+)
+def test_a_slash_leaves_each_namespace(tmp_path: Path, how: tuple[str, ...], names: str) -> None:
+    found = _found(tmp_path, *how)
+    assert [" ".join(one.about) for one in found] == ([names] if names else []), found
+    assert all(one.place.startswith("src/my_bot/my_bot/drone.py:") for one in found)
+    assert all(f"{name[1:]!r} instead of {name!r}" in one.fix for one in found for name in one.about)
