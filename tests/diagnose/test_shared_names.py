@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from right_workspace import right_workspace
 
+from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 
@@ -130,3 +131,27 @@ def test_a_slash_leaves_each_namespace(tmp_path: Path, how: tuple[str, ...], nam
     assert [" ".join(one.about) for one in found] == ([names] if names else []), found
     assert all(one.place.startswith("src/my_bot/my_bot/drone.py:") for one in found)
     assert all(f"{name[1:]!r} instead of {name!r}" in one.fix for one in found for name in one.about)
+
+
+RUN = "$ ros2 run my_bot drone --ros-args"
+
+
+@pytest.mark.parametrize(
+    ("said", "cause"),
+    [
+        (f"{RUN} -r posee:=place\n$ ros2 topic echo /place\nWARNING: topic [/place] does not appear to be published yet", "The command remaps 'posee'"),
+        (f"{RUN} -r /order:=/say", "The command remaps '/order'"),
+        (f"{RUN} -p siez:=2.0", "The command sets the parameter siez"),
+        (f"{RUN} -p size:=2", "drone declares size with a number with a decimal point, but the command gives it 2"),
+        (f"{RUN} -r pose:=place -r __ns:=/red -r __node:=one", ""),
+        (f"{RUN} -r drone:pose:=place -p use_sim_time:=true -p size:=2.0", ""),
+        ("$ ros2 run other drone --ros-args -p siez:=2.0", ""),
+    ],
+)  # fmt: skip
+def test_a_command_sets_what_the_program_cannot_take(tmp_path: Path, said: str, cause: str) -> None:
+    _found(tmp_path, RELATIVE, NODE + ")")
+    found = of_text(said, tmp_path)
+    assert [one.cause.startswith(cause) for one in found if one.code == "typed-wrong"] == [True] * bool(
+        cause
+    ), found
+    assert not cause or found[0].code == "typed-wrong"

@@ -166,7 +166,7 @@ class Look:
         yield from guarded(self._topic_faults)
         yield from guarded(environment_apart, self._programs, self._partners)
         yield from guarded(self._service_faults, by_name)
-        yield from guarded(lambda: passed_over(self._with_sources, self.launch_files))
+        yield from guarded(lambda: passed_over(self.with_sources, self.launch_files))
         yield from started
         if self.environ is not None:
             yield from guarded(environment_faults, self.root, by_name, self.environ)
@@ -184,7 +184,7 @@ class Look:
             if node.package == package.name
         }
         others = {node.name for node in launched if isinstance(node.name, str)} - names
-        started = [node for file in self.launch_files for node in started_in(file, self._with_sources)]
+        started = [node for file in self.launch_files for node in started_in(file, self.with_sources)]
         moved = {
             name
             for node in started
@@ -227,7 +227,7 @@ class Look:
     def _spaces(self) -> Mapping[tuple[int, str], set[Any]]:
         """The namespaces in which launch files start the files of nodes."""
         found: dict[tuple[int, str], set[Any]] = {}
-        for node in (node for file in self.launch_files for node in started_in(file, self._with_sources)):
+        for node in (node for file in self.launch_files for node in started_in(file, self.with_sources)):
             for module in node.sources.imported_by(node.module):
                 found.setdefault((id(node.sources), module), set()).add(node.launched.namespace)
         return found
@@ -236,7 +236,7 @@ class Look:
     def _partners(self) -> Partners:
         """What else may have the other end of a topic or a service, and which packages are used together."""
         groups = [
-            {node.sources for node in started_in(file, self._with_sources)} for file in self.launch_files
+            {node.sources for node in started_in(file, self.with_sources)} for file in self.launch_files
         ]
         groups += [
             {self.sources(package), self.sources(other)}
@@ -263,7 +263,7 @@ class Look:
         return service_faults(ends, names, moved | self._remapped(), self._partners, is_alone=is_alone)
 
     def _started_faults(self) -> Iterator[Finding]:
-        started = [(file, path, started_in(file, self._with_sources)) for file, path in self.launches]
+        started = [(file, path, started_in(file, self.with_sources)) for file, path in self.launches]
         # Where launch lacks a package, the text tells as much of a file in which nothing sets a namespace.
         known = [
             (file, nodes)
@@ -279,17 +279,17 @@ class Look:
                 yield from guarded(keyboard_faults, launch_file, nodes)
                 texts = [*(source.text for source in self.files), *map(read_text, self.launch_paths)]
                 elsewhere = partial(self._partners.may_be_elsewhere, is_whole=True)
-                shared = SharedNames(launch_file, nodes, self._with_sources, texts, elsewhere)
+                shared = SharedNames(launch_file, nodes, self.with_sources, texts, elsewhere)
                 yield from guarded(shared.faults)
                 if path.suffix == ".py":
                     yield from guarded(awaited_ends, read_source(path, path.stem, launch_file.shown), nodes)
 
     def _faults_of_started(self, launch_file: LaunchFile) -> Iterator[Finding]:
-        return started_faults(launch_file, self._with_sources, is_alone=self._are_alone)
+        return started_faults(launch_file, self.with_sources, is_alone=self._are_alone)
 
     @cached_property
     def _are_alone(self) -> bool:
-        return are_alone(self.launch_files, self._with_sources)
+        return are_alone(self.launch_files, self.with_sources)
 
     def _is_for_ros(self, package: SourcePackage) -> bool:
         return is_for_ros(package, {node.package for file in self.launch_files for node in file.nodes})
@@ -308,7 +308,7 @@ class Look:
 
     def _remapped(self) -> set[str]:
         """Return the topics that launch files rename."""
-        started = (node for file in self.launch_files for node in started_in(file, self._with_sources))
+        started = (node for file in self.launch_files for node in started_in(file, self.with_sources))
         ends = [end for node in started for end in node.ends]
         # A launch file that renames a node also renames each topic that begins with the node's name.
         below = {end.name for end, plain, _ in ends if end.is_private and plain != f"/{end.name}"}
@@ -403,12 +403,13 @@ class Look:
             (file for file in self.launch_files if file.is_loaded), key=lambda file: -len(file.nodes)
         )
         found: dict[tuple[str, str], Started] = {}
-        for node in (node for file in files for node in started_in(file, self._with_sources)):
+        for node in (node for file in files for node in started_in(file, self.with_sources)):
             found.setdefault((node.package.name, node.launched.executable), node)
         return found
 
     @cached_property
-    def _with_sources(self) -> dict[str, tuple[SourcePackage, NodeSources]]:
+    def with_sources(self) -> dict[str, tuple[SourcePackage, NodeSources]]:
+        """The packages by their names, each with its files."""
         return {package.name: (package, self.sources(package)) for package in self.packages}
 
     @cached_property

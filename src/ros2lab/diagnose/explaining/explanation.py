@@ -45,6 +45,7 @@ from ros2lab.diagnose.explaining.sections_read import sections_read
 from ros2lab.diagnose.explaining.shown_values import shown_values
 from ros2lab.diagnose.explaining.started_files import of_started_file
 from ros2lab.diagnose.explaining.typed import as_keyed, of_history, of_processes, own_shells, typed_faults
+from ros2lab.diagnose.explaining.typed_settings import with_settings
 from ros2lab.diagnose.explaining.unbuilt import failed_build, of_earlier, of_refused_files
 from ros2lab.diagnose.finding import SAID, UNKNOWN, Finding, is_about_life, stops_build, stops_node
 from ros2lab.diagnose.look import Look, workspace_around
@@ -166,7 +167,7 @@ def _of_what_was_said(
     found = _asked_first(error, known, found, look) or where_made(error, known, look) or found
     frozen = [*frozen_faults(error.steps)]
     if not error.reports and not frozen and (not found or found[0] not in known):
-        found = [*typed_faults(error, look)] or found
+        found = with_settings([*typed_faults(error, look)], error, look) or found
     if error.decisive:
         found = _with_choice(error, look) or found or checked or _in_line(error, known)
         found = found or _said_by_tools(error, known, look, is_frozen=bool(frozen))

@@ -85,6 +85,7 @@ class LaunchFile:
         arguments: the names of its launch arguments; None where they are not known.
         refusal: launch's error message, if it refuses the file.
         choices: package, executable and name of all nodes in it, then of those that each choice of arguments starts.
+        is_typed: whether it stands for a command, which starts a program as a launch file would.
     """
 
     shown: str
@@ -95,6 +96,12 @@ class LaunchFile:
     arguments: tuple[str, ...] | None = None
     refusal: str = ""
     choices: tuple[tuple[tuple[str | None, ...], ...], ...] = ()
+    is_typed: bool = False
+
+    @property
+    def giver(self) -> str:
+        """What sets something, as a sentence begins with it."""
+        return "The command" if self.is_typed else "The launch file"
 
 
 def read_launch_file(path: Path, shown: str, own: Collection[str] = ()) -> LaunchFile:

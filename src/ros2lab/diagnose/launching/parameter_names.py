@@ -46,7 +46,7 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
                         place = at(package.shown(inner), value.line)
                         yield from _fault("The file", (name, value.value), values, takers, place)
     for file in launch_files:
-        yield from _of_launch_file(file, packages)
+        yield from given_in_vain(file, packages)
 
 
 def set_back(started: Sequence[Started]) -> Iterator[Finding]:
@@ -130,11 +130,11 @@ def _given_to(node: Started) -> Iterator[_Given]:
                 yield from (_Given(number, given, key, *row) for row in values.items())
 
 
-def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
+def given_in_vain(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
     """Yield parameters that a launch file gives a node with another type, or only to nodes that do not declare them."""
     takers: dict[str, list[Started]] = {}
     for node in started_in(file, packages):
-        yield from _of_other_type(node)
+        yield from _of_other_type(node, file.giver.lower())
         yield from _like_a_file(node, file, packages)
         for name, _ in flat(node.launched.values):
             if BELOW not in name.split("."):
@@ -147,7 +147,7 @@ def _of_launch_file(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
             homes = [(node.sources, node.module) for node in nodes]
             value = dict(flat(launched.values))[name]
             place = nodes[0].launched.place
-            yield from _fault("The launch file", (name, value), launched.values, homes, place)
+            yield from _fault(file.giver, (name, value), launched.values, homes, place)
 
 
 def _like_a_file(node: Started, file: LaunchFile, packages: Packages) -> Iterator[Finding]:
@@ -174,7 +174,7 @@ def _like_a_file(node: Started, file: LaunchFile, packages: Packages) -> Iterato
     yield Finding("parameter-name", cause, at(file.shown, line) if line else node.launched.place, fix)
 
 
-def _of_other_type(node: Started) -> Iterator[Finding]:
+def _of_other_type(node: Started, giver: str) -> Iterator[Finding]:
     """Yield parameters whose values in a launch file have another type than their node declares; none of texts, which launch reads."""
     files, values = node.sources.around(node.module), dict[str, Any]()
     for given in node.launched.given:
@@ -183,7 +183,7 @@ def _of_other_type(node: Started) -> Iterator[Finding]:
     for name, value in ((name, value) for name, value in flat(values) if not isinstance(value, str)):
         wanted, kind = kind_of(declared.get(name, UNKNOWN)), kind_of(value)
         if wanted and kind and wanted != kind:
-            cause = f"{node.launched.executable} declares {name} with {type_in_words(wanted)}, but the launch file gives it {value}, {type_in_words(kind)}, so the node does not start."
+            cause = f"{node.launched.executable} declares {name} with {type_in_words(wanted)}, but {giver} gives it {value}, {type_in_words(kind)}, so the node does not start."
             right = f"{value}.0" if (kind, wanted) == ("INTEGER", "DOUBLE") else type_in_words(wanted)
             yield Finding(
                 "parameter-type", cause, node.launched.place, f"write {right} instead of {value}", (name,)

@@ -34,13 +34,14 @@ def unknown_names(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Findin
             written = {name for taken in names for name in taken}
             own = {name.lstrip("/") for name in written}
             if topic.lstrip("/") in own:  # the node is in a namespace, so a slash makes it another topic
-                yield _of_another_space(node, topic, written)
+                yield _of_another_space(file, node, topic, written)
                 continue
             if len(given) > 1 and not nearest(topic.lstrip("/"), own, 0.6):
                 continue  # such as the transforms, which a launch file may rename for all nodes alike
             others = (other for other in nodes if other is not node)
             beside = {name.lstrip("/") for other in others for name in known[id(other.launched)]}
-            yield _remapped(node, (topic, new), own, beside, _wanted(node, topic, nodes, own))
+            wanted = _wanted(node, topic, nodes, own)
+            yield _remapped(file, node, (topic, new), (own, beside), wanted)
 
 
 def _wanted(node: Started, topic: str, nodes: Sequence[Started], own: set[str]) -> str:
@@ -108,23 +109,27 @@ def _is_among(topic: str, names: set[str], node: Started) -> bool:
     return is_every_nodes or is_below_node or is_named or is_resolved
 
 
-def _of_another_space(node: Started, topic: str, written: set[str]) -> Finding:
+def _of_another_space(file: LaunchFile, node: Started, topic: str, written: set[str]) -> Finding:
     """Return a finding about a remapping whose first name differs from a node's name only by the slash before it."""
     meant = next(name for name in sorted(written) if name.lstrip("/") == topic.lstrip("/"))
     full = node.resolved_alone(meant)
-    cause = f"The launch file remaps {topic!r}, which is {node.resolved_alone(topic)}, but {node.launched.executable} is in the namespace {node.namespace}, and its {meant} is {full}: the remapping changes nothing."
+    cause = f"{file.giver} remaps {topic!r}, which is {node.resolved_alone(topic)}, but {node.launched.executable} is in the namespace {node.namespace}, and its {meant} is {full}: the remapping changes nothing."
     return Finding(
         "remap-unknown", cause, node.launched.place, f"write {meant!r} as the first name of the remapping"
     )
 
 
 def _remapped(
-    node: Started, renamed: tuple[str, Any], own: set[str], beside: set[str], wanted: str
+    file: LaunchFile,
+    node: Started,
+    renamed: tuple[str, Any],
+    names: tuple[set[str], set[str]],
+    wanted: str,
 ) -> Finding:
     """Return a finding about a remapping whose first name is none of a node's names, beside those of the others."""
-    topic, new = renamed
+    (topic, new), (own, beside) = renamed, names
     there = ", ".join(repr(name) for name in sorted(own))
-    cause = f"The launch file remaps {topic!r}, but {node.launched.executable} does not use it: the first name must be the one in the code, which uses {there}."
+    cause = f"{file.giver} remaps {topic!r}, but {node.launched.executable} does not use it: the first name must be the one in the code, which uses {there}."
     is_turned = isinstance(new, str) and new.lstrip("/") in own
     fix = f"write one of these as the first name of the remapping: {there}"
     fix = f"write {wanted!r} as the first name of the remapping" if wanted else fix
