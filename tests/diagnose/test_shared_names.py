@@ -10,6 +10,8 @@ from right_workspace import right_workspace
 from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.grading.evidence import Run
+from ros2lab.trial.set_in_vain import set_in_vain
 
 DRONE = """\
 import rclpy
@@ -155,3 +157,29 @@ def test_a_command_sets_what_the_program_cannot_take(tmp_path: Path, said: str, 
         cause
     ), found
     assert not cause or found[0].code == "typed-wrong"
+
+
+BY_PARAMETER = PUBLISH.replace("'/pose'", "self.declare_parameter('topic', '/pose').value + self.who")
+MOVED = f"{NODE}, remappings=[('pos', '/place')])"
+
+
+@pytest.mark.parametrize(
+    ("make", "nodes", "topic", "found"),
+    [
+        (BY_PARAMETER, TWO, "/pose", ["namespace-unused"]),
+        (BY_PARAMETER, TWO, "/red/pose", []),
+        (BY_PARAMETER, _values("who", "_red", "_blue"), "/pose_red", []),
+        (BY_PARAMETER, MOVED, "/pose", ["remap-unknown"]),
+        (BY_PARAMETER, MOVED, "/place", []),
+        (BY_PARAMETER, MOVED, "", []),
+        (f"{BY_PARAMETER}; {SERVE}", MOVED, "/pose", []),
+        (PUBLISH, TWO, "/pose", []),  # its code tells it
+    ],
+)
+def test_by_what_was_seen(tmp_path: Path, make: str, nodes: str, topic: str, found: list[str]) -> None:
+    told = _found(tmp_path, make, nodes)
+    assert bool(told) is (make == PUBLISH)
+    publishes = {topic: {"/drone": ["geometry_msgs/msg/Point"]}} if topic else {}
+    run = Run(["drone"], "alone", "stepped", [], publishes, {}, {}, {}, {}, [], {}, {}, [])
+    look = Look(tmp_path, loads=True)
+    assert [one.code for one in set_in_vain(look, {"drone": run})] == found

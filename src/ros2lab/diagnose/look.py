@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property, partial
 from pathlib import Path
@@ -20,7 +20,7 @@ from ros2lab.diagnose.launching.launch_file import LaunchFile, read_launch_file
 from ros2lab.diagnose.launching.launch_loaded import load
 from ros2lab.diagnose.launching.parameter_names import passed_over, set_back
 from ros2lab.diagnose.launching.remapped_names import unknown_names
-from ros2lab.diagnose.launching.shared_names import SharedNames
+from ros2lab.diagnose.launching.shared_names import Name, SharedNames
 from ros2lab.diagnose.launching.started_faults import (
     Started,
     alternatives,
@@ -277,15 +277,19 @@ class Look:
                 yield from guarded(self._faults_of_started, launch_file)
                 yield from guarded(unknown_names, launch_file, nodes)
                 yield from guarded(keyboard_faults, launch_file, nodes)
-                texts = [*(source.text for source in self.files), *map(read_text, self.launch_paths)]
-                elsewhere = partial(self._partners.may_be_elsewhere, is_whole=True)
-                shared = SharedNames(launch_file, nodes, self.with_sources, texts, elsewhere)
-                yield from guarded(shared.faults)
+                yield from guarded(self.shared_names(launch_file, {}).faults)
                 if path.suffix == ".py":
                     yield from guarded(awaited_ends, read_source(path, path.stem, launch_file.shown), nodes)
 
     def _faults_of_started(self, launch_file: LaunchFile) -> Iterator[Finding]:
         return started_faults(launch_file, self.with_sources, is_alone=self._are_alone)
+
+    def shared_names(self, file: LaunchFile, seen: Mapping[str, Sequence[Name]]) -> SharedNames:
+        """Return the nodes of a launch file with what tells which names they should share."""
+        texts = [*(source.text for source in self.files), *map(read_text, self.launch_paths)]
+        elsewhere = partial(self._partners.may_be_elsewhere, is_whole=True)
+        nodes = started_in(file, self.with_sources)
+        return SharedNames(file, nodes, self.with_sources, texts, elsewhere, seen)
 
     @cached_property
     def _are_alone(self) -> bool:

@@ -42,6 +42,7 @@ from ros2lab.trial.given import GivenRun, given_faults, open_contents, told_of_g
 from ros2lab.trial.held_back import with_reasons
 from ros2lab.trial.retold import without_retold
 from ros2lab.trial.seen import Seen, seen_faults
+from ros2lab.trial.set_in_vain import set_in_vain
 from ros2lab.trial.story import told_of
 from ros2lab.trial.unmade import unmade_faults
 from ros2lab.trial.witnessed import Witnessed, environ_in, is_contradicted, witnessed
@@ -95,6 +96,7 @@ def try_out(
     called = noted.called
     shown = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
     shown += given_faults(seen, given) if given else ()
+    shown += set_in_vain(look, {run.programs[0]: run for run in seen.alone})
     read = [
         finding
         for finding in read

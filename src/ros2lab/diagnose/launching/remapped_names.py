@@ -20,7 +20,7 @@ _MOST_NAMES = 5  # of a node, among which the meant ones are looked for
 
 def unknown_names(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Finding]:
     """Yield remappings whose first name none of the nodes has that are given it; all their names are known."""
-    known = {id(node.launched): _own_names(node) for node in nodes}
+    known = {id(node.launched): own_names(node) for node in nodes}
     for node in nodes:
         for topic, new in node.launched.remappings:
             # A remapping given to several nodes is meant for those that use the name.
@@ -81,7 +81,7 @@ def _may_be(node: Started, name: str, new: Any, nodes: Sequence[Started]) -> boo
     return len(own) != 1 or len(there) != 1 or own != there
 
 
-def _own_names(node: Started) -> set[str]:
+def own_names(node: Started) -> set[str]:
     """Return the names of a node's topics and services; empty if it may have others."""
     files = node.sources.around(node.module)
     if files and any(CREATORS.keys() & node_class.methods.keys() for node_class in files.classes.values()):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -21,6 +21,7 @@ _OTHER = {
     "create_service": "create_client",
     "create_client": "create_service",
 }
+_OF_BOTH_ENDS = frozenset(("create_publisher", "create_subscription"))  # all talk there, and all listen
 # By the conventions of ROS, all robots share these: what is sent there says whose it is, or is true for all.
 _FOR_ALL = every_node.HIDDEN_TOPICS | {"/tf", "/tf_static", "/diagnostics", "/map"}
 # What tells a node which of several it is.
@@ -29,21 +30,17 @@ _IDENTITIES = (str, int)  # the types of parameters that may tell a node who it 
 
 
 @dataclass(frozen=True)
-class _Name:
-    """A name of a topic or a service that begins with a slash, with the calls that use it."""
+class Name:
+    """A name of a topic or a service, as code has it or as it was seen.
+
+    Attributes:
+        methods: those of a node that use it, such as `create_publisher`.
+        places: where it is written; where its node is started, if it was only seen.
+    """
 
     name: str
-    creations: tuple[Creation, ...]
-
-    @property
-    def methods(self) -> set[str]:
-        return {creation.method for creation in self.creations}
-
-    @property
-    def written(self) -> list[str]:
-        """Where it is written."""
-        given = ((one.source, one.given("topic", "srv_name") or one.call) for one in self.creations)
-        return [*dict.fromkeys(source.at(node) for source, node in given)]
+    methods: frozenset[str]
+    places: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -54,6 +51,7 @@ class SharedNames:
         packages: all packages with their files.
         texts: of the files in which a name may be meant, such as `/red/pose`.
         is_elsewhere: whether a file that is not read has a name, so that other programs may use it.
+        seen: the names that programs were seen to use, by their modules, where code does not tell.
     """
 
     file: LaunchFile
@@ -61,13 +59,14 @@ class SharedNames:
     packages: Packages
     texts: Sequence[str]
     is_elsewhere: Callable[[str], bool]
+    seen: Mapping[str, Sequence[Name]] = field(default_factory=dict)
 
     def faults(self) -> Iterator[Finding]:
         """Yield each program that is started in namespaces which none of its names takes, although they should."""
         programs: dict[tuple[str, object], list[Started]] = {}
         for node in self.nodes:
             programs.setdefault((node.package.name, node.launched.executable), []).append(node)
-        found: dict[tuple[str, ...], list[tuple[Started, list[_Name]]]] = {}
+        found: dict[tuple[str, ...], list[tuple[Started, list[Name]]]] = {}
         for those in programs.values():
             spaces = tuple(dict.fromkeys(node.namespace for node in those))
             if all(spaces) and self._are_together(those) and (names := self._in_vain(those, spaces)):
@@ -81,37 +80,34 @@ class SharedNames:
         counts = [sum(node[:2] == key for node in choice) for choice in self.file.choices[1:]]
         return not counts or max(counts) >= len(those)
 
-    def _in_vain(self, those: Sequence[Started], spaces: Sequence[str]) -> list[_Name]:
+    def _in_vain(self, those: Sequence[Started], spaces: Sequence[str]) -> list[Name]:
         """Return the names of a program that should be other ones in each namespace, and are not."""
-        names = _names(those[0])
+        names = self.seen.get(those[0].module) or _names(those[0])
         shared = [one for one in names or () if self._is_shared(one, those)]
         shared = [one for one in shared if not self._has_other_end(one, spaces)]
         meant = [one for one in shared if self._is_meant(one.name, spaces)]
         is_all = names is not None and len(shared) == len(names) and len(spaces) > 1
         return (self._mixed_up(shared, those) if is_all else []) or meant
 
-    def _is_shared(self, one: _Name, those: Sequence[Started]) -> bool:
+    def _is_shared(self, one: Name, those: Sequence[Started]) -> bool:
         """Return whether a name stays the same in each namespace, and not on purpose."""
-        stays = all(node.resolved(one.name) == one.name for node in those)
-        is_for_both = {
-            "create_publisher",
-            "create_subscription",
-        } <= one.methods  # all talk there, and all listen
-        return one.name.startswith("/") and stays and not is_for_both and one.name not in _FOR_ALL
+        if not one.name.startswith("/") or one.name in _FOR_ALL or one.methods >= _OF_BOTH_ENDS:
+            return False
+        is_inside = any(one.name.startswith(f"{node.namespace}/") for node in those)
+        return not is_inside and all(node.resolved(one.name) == one.name for node in those)
 
     def _is_meant(self, name: str, spaces: Sequence[str]) -> bool:
         """Return whether a file of the workspace has a name with one of the namespaces before it."""
         whole = [re.compile(rf"(?<![\w/])/?{re.escape(space[1:] + name)}(?![\w/])") for space in spaces]
         return any(pattern.search(text) for pattern in whole for text in self.texts)
 
-    def _has_other_end(self, one: _Name, spaces: Sequence[str]) -> bool:
+    def _has_other_end(self, one: Name, spaces: Sequence[str]) -> bool:
         """Return whether a program that is not in each of the namespaces as well has the other end of a name."""
         if self.is_elsewhere(one.name):
             return True
         wanted = {_OTHER[method] for method in one.methods}
-        users = [(own, name) for own, names in self._absolute for name in names if name.name == one.name]
-        users = [(own, name) for own, name in users if wanted & name.methods]
-        return any(not set(spaces) <= self._spaces.get(module, set()) for module, _ in users)
+        users = [own for own, other in self._absolute if other.name == one.name and wanted & other.methods]
+        return any(not set(spaces) <= self._spaces.get(module, set()) for module in users)
 
     @cached_property
     def _spaces(self) -> Mapping[str, set[str]]:
@@ -122,19 +118,20 @@ class SharedNames:
         return found
 
     @cached_property
-    def _absolute(self) -> list[tuple[str, list[_Name]]]:
-        """The names that begin with a slash, by the modules that use them."""
-        found = [
-            (creation.source.name, _Name(str(value), (creation,)))
+    def _absolute(self) -> list[tuple[str, Name]]:
+        """The names in code, each with the module that uses it."""
+        found = (
+            (creation, sources.value(creation.source, creation.given("topic", "srv_name")))
             for _, sources in self.packages.values()
             for creation in sources.creations
-            if str(value := sources.value(creation.source, creation.given("topic", "srv_name"))).startswith(
-                "/"
-            )
+        )
+        return [
+            (creation.source.name, Name(name, frozenset((creation.method,)), ()))
+            for creation, name in found
+            if isinstance(name, str)
         ]
-        return [(module, [name]) for module, name in found]
 
-    def _mixed_up(self, shared: Sequence[_Name], those: Sequence[Started]) -> list[_Name]:
+    def _mixed_up(self, shared: Sequence[Name], those: Sequence[Started]) -> list[Name]:
         """Return the names of a node that has no others, if what is sent there does not say whose it is."""
         node = those[0]
         given = [dict(flat(one.launched.values)) for one in those]
@@ -151,7 +148,7 @@ class SharedNames:
         return [*shared] if offers or sends or (is_alike and len(self.nodes) == len(self.file.nodes)) else []
 
 
-def _names(node: Started) -> list[_Name] | None:
+def _names(node: Started) -> list[Name] | None:
     """Return the names of a program's topics and services, as they are written; None if any is not known."""
     files = node.sources.around(node.module)
     found: dict[str, list[Creation]] = {}
@@ -162,19 +159,25 @@ def _names(node: Started) -> list[_Name] | None:
         if not isinstance(value, str):
             return None
         found.setdefault(value, []).append(creation)
-    return [_Name(name, tuple(creations)) for name, creations in found.items()]
+    return [
+        Name(name, frozenset(one.method for one in those), tuple(dict.fromkeys(map(_place, those))))
+        for name, those in found.items()
+    ]
 
 
-def _told(
-    file: LaunchFile, spaces: Sequence[str], rows: Sequence[tuple[Started, Sequence[_Name]]]
-) -> Finding:
+def _place(creation: Creation) -> str:
+    """Return where a name is written."""
+    return creation.source.at(creation.given("topic", "srv_name") or creation.call)
+
+
+def _told(file: LaunchFile, spaces: Sequence[str], rows: Sequence[tuple[Started, Sequence[Name]]]) -> Finding:
     """Return the finding of the programs that a launch file starts in some namespaces in vain, with all of their names."""
     programs = in_a_row([str(node.launched.executable) for node, _ in rows])
     names = [*dict.fromkeys(one.name for _, those in rows for one in those)]
     verb = "is" if len(names) < 2 else "are"
     kept = f"{verb} the same in all of them" if len(spaces) > 1 else f"{verb} the same as without it"
     cause = f"{Path(file.shown).name} starts {programs} in the namespace{'s' * (len(spaces) > 1)} {in_a_row(spaces)}, but no namespace is put before a name that begins with a slash: {in_a_row(names)} {kept}."
-    first, *more = dict.fromkeys(place for _, those in rows for one in those for place in one.written)
+    first, *more = dict.fromkeys(place for _, those in rows for one in those for place in one.places)
     home = f"{first.rpartition(':')[0]}:"
     others = [place.replace(home, "line ") for place in more]
     also = f" (also in {in_a_row(others)})" if others else ""
