@@ -180,6 +180,7 @@ def _told(file: LaunchFile, spaces: Sequence[str], rows: Sequence[tuple[Started,
     first, *more = dict.fromkeys(place for _, those in rows for one in those for place in one.places)
     home = f"{first.rpartition(':')[0]}:"
     others = [place.replace(home, "line ") for place in more]
+    where = f" in the code of {programs}" if first == rows[0][0].launched.place else ""
     also = f" (also in {in_a_row(others)})" if others else ""
-    fix = f"write {in_a_row([f'{name[1:]!r} instead of {name!r}' for name in names])}{also}, and build again"
+    fix = f"write {in_a_row([f'{name[1:]!r} instead of {name!r}' for name in names])}{where}{also}, and build again"
     return Finding("namespace-unused", cause, first, fix, tuple(names))
