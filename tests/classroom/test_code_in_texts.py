@@ -50,3 +50,17 @@ def test_python_is_compared_whatever_its_file_is_called(suffix: str, tmp_path: P
     found = _sources(tmp_path, ["package"], [])
     assert found.keys() == {"package/node.py", f"package/node{suffix}", "package/broken.py"}
     assert found[f"package/node{suffix}"] == CODE
+
+
+@pytest.mark.parametrize("codec", ["utf-8", "latin-1", "utf-7", "unicode_escape", "raw_unicode_escape", "hz"])
+def test_python_is_read_in_the_encoding_that_it_declares(codec: str, tmp_path: Path) -> None:
+    """What another reader would see in the bytes is not what runs."""
+    folder = tmp_path / "package"
+    folder.mkdir()
+    data = CODE.encode() if codec == "latin-1" else CODE.encode(codec)
+    escaped = "".join(f"\\u{ord(sign):04x}" for sign in CODE).encode()
+    (folder / "node.py").write_bytes(
+        f"# coding: {codec}\n".encode() + (escaped if "escape" in codec else data)
+    )
+    found = _sources(tmp_path, ["package"], [])
+    assert found == {"package/node.py": f"# coding: {codec}\n{CODE}"}

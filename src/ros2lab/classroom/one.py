@@ -119,6 +119,7 @@ def _sources(root: Path, packages: Sequence[str], files: Sequence[str]) -> dict[
 
     What is Python is one, whatever it is called, and so is a text in one that is Python: they may be run.
     """
+    from ros2lab.diagnose.sources.file_texts import decoded  # noqa: PLC0415
     from ros2lab.grading.reading.build_plan import WORKSPACE  # noqa: PLC0415
 
     found, budgets = dict[str, str](), {True: MOST_SOURCE, False: MOST_SOURCE}
@@ -129,7 +130,7 @@ def _sources(root: Path, packages: Sequence[str], files: Sequence[str]) -> dict[
         if is_ours or path.name in ("setup.py", "__init__.py") or path.is_symlink() or not path.is_file():
             continue
         with path.open("rb") as file:
-            text = file.read(budgets[is_called_so]).decode(errors="replace")
+            text = decoded(file.read(budgets[is_called_so]), path.with_suffix(".py"))
         budgets[is_called_so] -= len(text)
         texts = [*texts_of_code(text)]
         if is_called_so and text not in texts:
@@ -145,13 +146,11 @@ def texts_of_code(text: str) -> Iterator[str]:
     queue = [text]
     while queue:
         text = queue.pop(0)
-        if (tree := _parsed(text)) is None:
+        if (tree := parsed(text)) is None:
             # A block begins with a line that is not indented: whatever stands around it does not hide it.
             blocks = [block for block in re.split(r"\n(?=\S)", text) if "(" in block or "import" in block]
-            text = "\n".join(
-                block for block in blocks if (piece := _parsed(block)) and _does_something(piece)
-            )
-            tree = _parsed(text) or ast.Module([], [])
+            text = "\n".join(block for block in blocks if (piece := parsed(block)) and _does_something(piece))
+            tree = parsed(text) or ast.Module([], [])
         nodes = [*ast.walk(tree)]
         if _does_something(tree):
             yield text
@@ -165,7 +164,7 @@ def texts_of_code(text: str) -> Iterator[str]:
         queue += [each for each in inner if "\n" in each.strip()]
 
 
-def _parsed(text: str) -> ast.Module | None:
+def parsed(text: str) -> ast.Module | None:
     """Return a text as Python; None if it is none."""
     with warnings.catch_warnings(), contextlib.suppress(*NO_PYTHON):
         warnings.simplefilter("ignore")

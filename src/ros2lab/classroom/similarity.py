@@ -1,5 +1,6 @@
 """Who has handed in the same as somebody else: names, comments, strings and the order of functions do not count.
 
+What is compared is what Python reads: a statement a line, each name in plain letters. What is shown is what was written.
 copydetect writes each file as a row of tokens without names, and chooses fingerprints of it (winnowing: Schleimer,
 Wilkerson and Aiken, SIGMOD 2003). What is in the template, in the lessons or in a new package is taken out; what many of
 the class have is told once, with those who have it, and makes no pairs.
@@ -7,10 +8,12 @@ the class have is told once, with those who have it, and makes no pairs.
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import copy
 import io
 import json
+import re
 import signal
 import threading
 from collections import defaultdict
@@ -24,6 +27,8 @@ from copydetect.utils import filter_code, hashed_kgrams
 
 from portable_ros2.new_package import File, NewPackage
 from ros2lab import course
+from ros2lab.classroom.one import NO_PYTHON, parsed
+from ros2lab.diagnose.sources.file_texts import decoded
 
 NOISE = 25  # characters of the row of tokens; a match that is shorter is chance
 WINDOW = 6  # of the fingerprints in it one is kept
@@ -147,7 +152,7 @@ def _pieces(many: Mapping[int, frozenset[str]]) -> list[set[int]]:
     return sorted((marks for marks in found.values() if len(marks) >= FEW), key=len, reverse=True)
 
 
-def _only(files: Mapping[str, CodeFingerprint], marks: Collection[int]) -> dict[str, CodeFingerprint]:
+def _only(files: Mapping[str, _Fingerprint], marks: Collection[int]) -> dict[str, _Fingerprint]:
     """Return files with no fingerprints but these."""
     found = {path: copy.copy(file) for path, file in files.items()}
     for file in found.values():
@@ -158,13 +163,13 @@ def _only(files: Mapping[str, CodeFingerprint], marks: Collection[int]) -> dict[
 
 def _marks(
     classes_sources: Mapping[str, Mapping[str, str]], left_out: Callable[[str], None]
-) -> dict[str, dict[str, CodeFingerprint]]:
+) -> dict[str, dict[str, _Fingerprint]]:
     """Return the fingerprints of each student's files, but of those that take too long."""
     found = {}
     for student, sources in classes_sources.items():
         try:
             with _bounded(PATIENCE):
-                found[student] = {path: _fingerprint(text) for path, text in sources.items()}
+                found[student] = {path: _Fingerprint(text) for path, text in sources.items()}
         except TimeoutError:
             left_out(student)
     return found
@@ -189,19 +194,59 @@ def _bounded(seconds: float) -> Iterator[None]:
         signal.signal(signal.SIGVTALRM, before)
 
 
-def _fingerprint(text: str) -> CodeFingerprint:
-    # A character that fills two places in UTF-16 is no trouble; a NUL is for the lexer.
-    return CodeFingerprint(
-        "file.py", NOISE, WINDOW, fp=io.StringIO(text.replace("\0", " ")), language="python"
-    )
+class _Fingerprint(CodeFingerprint):
+    """The fingerprint of what Python reads in a text.
+
+    Attributes:
+        written: the lines of the text.
+        places: by the lines of what Python reads, from 1: the first and the last line of the text at which each is written.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.written = text.splitlines()
+        read, self.places = _as_read(text)
+        # A character that fills two places in UTF-16 is no trouble; a NUL is for the lexer.
+        plain = io.StringIO(read.replace("\0", " "))
+        super().__init__("file.py", NOISE, WINDOW, fp=plain, language="python")
+
+
+def _as_read(text: str) -> tuple[str, list[tuple[int, int]]]:
+    """Return a text as Python reads it, and where its lines are written; of what is no Python, each block that is."""
+    read, places, before = list[str](), [(1, 1)], 0
+    for block in [text] if parsed(text) else re.split(r"\n(?=\S)", text):
+        code, lines = _block_as_read(block)
+        read.append(code)
+        places += [(first + before, last + before) for first, last in lines]
+        before += block.count("\n") + 1
+    return "\n".join(read), places
+
+
+def _block_as_read(text: str) -> tuple[str, list[tuple[int, int]]]:
+    with contextlib.suppress(*NO_PYTHON):
+        if tree := parsed(text):
+            code = ast.unparse(tree)
+            lines = [(1, 1)] * (code.count("\n") + 1)
+            for written, read in zip(_statements(tree), _statements(ast.parse(code)), strict=True):
+                inner = min((part.lineno for part in _statements(written)), default=0)
+                last = max(written.lineno, inner - 1) if inner else written.end_lineno or 0
+                held = slice(read.lineno - 1, read.end_lineno)
+                lines[held] = [(written.lineno, last)] * len(lines[held])
+            return code, lines
+    return text, [(number, number) for number in range(1, text.count("\n") + 2)]
+
+
+def _statements(node: ast.AST) -> Iterator[ast.stmt]:
+    """Yield the statements in a node, those that hold others before these."""
+    return (part for part in ast.walk(node) if isinstance(part, ast.stmt) and part is not node)
 
 
 def _all_marks(text: str) -> set[int]:
-    tokens, _ = filter_code(text, "file.py", "python")
-    return {int(mark) for mark in hashed_kgrams(tokens, NOISE)}
+    """Return all that a text may be known by, as it is written and as Python reads it."""
+    rows = (filter_code(form, "file.py", "python")[0] for form in (text, _as_read(text)[0]))
+    return {int(mark) for row in rows for mark in hashed_kgrams(row, NOISE)}
 
 
-def _union(files: Iterable[CodeFingerprint]) -> set[int]:
+def _union(files: Iterable[_Fingerprint]) -> set[int]:
     return set().union(*(file.hashes for file in files))
 
 
@@ -222,7 +267,7 @@ def _created() -> Iterable[str]:
 
 
 def _in_time(
-    first: Mapping[str, CodeFingerprint], second: Mapping[str, CodeFingerprint]
+    first: Mapping[str, _Fingerprint], second: Mapping[str, _Fingerprint]
 ) -> tuple[dict[str, list[Line]], dict[str, list[Line]]]:
     """Return what is alike in two submissions; nothing where it takes too long to find."""
     try:
@@ -233,7 +278,7 @@ def _in_time(
 
 
 def _side_by_side(
-    first: Mapping[str, CodeFingerprint], second: Mapping[str, CodeFingerprint]
+    first: Mapping[str, _Fingerprint], second: Mapping[str, _Fingerprint]
 ) -> tuple[dict[str, list[Line]], dict[str, list[Line]]]:
     alike: tuple[dict[str, set[int]], dict[str, set[int]]] = {}, {}
     for left_path, left in first.items():
@@ -243,24 +288,27 @@ def _side_by_side(
                 (left_path, right_path), (left, right), slices, alike, strict=True
             ):
                 if len(cuts):
-                    lines.setdefault(path, set()).update(_lines_of(file.raw_code, cuts))
+                    lines.setdefault(path, set()).update(_lines_of(file, cuts))
     return _shown(first, alike[0]), _shown(second, alike[1])
 
 
-def _lines_of(text: str, slices: Sequence[Sequence[int]]) -> Iterable[int]:
-    """Yield the numbers, from 1, of the lines in which passages lie."""
+def _lines_of(file: _Fingerprint, slices: Sequence[Sequence[int]]) -> Iterable[int]:
+    """Yield the numbers, from 1, of the written lines in which passages lie."""
+    text = file.raw_code
     for start, end in zip(*slices, strict=True):
         begin = text.count("\n", 0, int(start)) + 1
-        yield from range(begin, begin + text.count("\n", int(start), max(int(start), int(end) - 1)) + 1)
+        after = begin + text.count("\n", int(start), max(int(start), int(end) - 1)) + 1
+        for first, last in file.places[begin:after]:
+            yield from range(first, last + 1)
 
 
-def _shown(files: Mapping[str, CodeFingerprint], alike: Mapping[str, set[int]]) -> dict[str, list[Line]]:
+def _shown(files: Mapping[str, _Fingerprint], alike: Mapping[str, set[int]]) -> dict[str, list[Line]]:
     left = MOST_LINES
     shown: dict[str, list[Line]] = {}
     for path, numbers in alike.items():
         near = {number + step for number in numbers for step in range(-AROUND, AROUND + 1)}
         lines: list[Line] = []
-        for number, text in enumerate(files[path].raw_code.splitlines(), start=1):
+        for number, text in enumerate(files[path].written, start=1):
             if number in near and left > 0:
                 lines.append(Line(number, text, number in numbers))
                 left -= 1
@@ -273,4 +321,4 @@ def _shown(files: Mapping[str, CodeFingerprint], alike: Mapping[str, set[int]]) 
 def template_texts(paths: Iterable[Path]) -> list[str]:
     """Return the texts of Python files, and of those in folders."""
     files = [file for path in paths for file in (sorted(path.rglob("*.py")) if path.is_dir() else [path])]
-    return [file.read_text(encoding="utf-8", errors="replace") for file in files]
+    return [decoded(file.read_bytes(), file) for file in files]
