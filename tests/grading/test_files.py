@@ -726,7 +726,22 @@ def test_beside_what_is_nested_too_deeply_the_rest_of_a_file_is_read(
         ("```mermaid\nA --> B[/cmd_vel]\n  %% colcon build\n```\n", "A --> B[/cmd_vel]"),
         ("<workspace>\n/src holds the package.", "<workspace> /src holds the package."),
         ("<section>\n\nDrive.\n\n</section>", "<section> Drive."),
-        ("Drive[^1] on.\n\n[^1]: on `/cmd_vel`\n[^b]: /robot/status\n", "Drive[^1] on. [^1]: on `/cmd_vel`"),
+        ("Drive[^1] on.\n\n[^1]: on `/cmd_vel`\n[^b]: /robot/status\n", "Drive[^1] on. on `/cmd_vel`"),
+        # Of footnotes, GitHub shows all that anything refers to, also another footnote, and with all that is theirs.
+        (
+            "Drive.\n\n[^a]: Soon.\n\n[^a]: Later.\n\n    ```\n    colcon build\n    ```\n\n    On `/cmd_vel`.",
+            "Drive.",
+        ),
+        ("[^a]: Soon\ncolcon build\n# Drive\n\n\t[^a]\n", "# Drive ``` [^a] ```"),
+        (
+            "Drive[^a].\n\n[^a]: On.\n\n    ```\n    colcon build\n    ```\nEnd.",
+            "Drive[^a]. End. On. ``` colcon build ```",
+        ),
+        (
+            "Drive.\n\n[^a]: On, see [^b].\n[^b]: See [^a].\n\n[^c]: /cmd_vel",
+            "Drive. On, see [^b]. See [^a].",
+        ),
+        ("Drive.\n\n```\n[^a]: on\n```\n\n- [^b]: and on", "Drive. ``` [^a]: on ``` [^b]: and on"),
         ("Drive <?x /cmd_vel?><!-- /cmd_vel -->.\n\n<!DOCTYPE /cmd_vel>\n\n<![CDATA[/cmd_vel]]>", "Drive ."),
         # GitHub leaves out the style, and shows the text.
         ('<font color="white">Drive</font> <span style="font-size: 0">on</span>.', "Drive on."),
@@ -774,7 +789,7 @@ def test_of_a_readme_only_what_a_page_shows_is_read(
         ),
         (
             "README.adoc",
-            "Robot\n-----\n:pkg: rc\n:x: /cmd_vel\n\nDrive {pkg} {y}.\n\n[comment]\n/cmd_vel\n\n[comment]\n--\n/cmd_vel\n\n--\nOn.",
+            "Robot\n-----\n:r: r\n:pkg: {r}c\n:x: /cmd_vel\n:z: {x}\n\nDrive {pkg} {y}.\n\n[comment]\n/cmd_vel\n\n[comment]\n--\n/cmd_vel\n\n--\nOn.",
             "Robot ----- Drive rc {y}. On.",
         ),
         (

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from ros2lab.grading.evidence import Build, Executable, Files, Run
-from ros2lab.grading.judging.readme import MOST_COMMANDS, commands
+from ros2lab.grading.judging.readme import MOST_COMMANDS, commands, is_typed
 from ros2lab.grading.receiving.submission import FoundPackage, Submission
 
 PACKAGE = FoundPackage("ws/src/robot_controller", "robot_controller", "ament_python", None)
@@ -241,6 +241,35 @@ def test_what_is_not_built_cannot_be_built_by_following_it() -> None:
 def test_a_readme_of_many_commands_is_read_to_an_end() -> None:
     text = "\n".join(f"ros2 run robot_controller node_{number}" for number in range(10_000))
     assert len(commands(text, SUBMISSION, BUILD, [RUN])) == MOST_COMMANDS
+
+
+@pytest.mark.parametrize(
+    ("written", "seen"),
+    [
+        ("```\ncolcon\u00a0build\n```", "colcon build"),
+        ("```\nros2 run\u202frobot_controller\u2009status\n```", "ros2 run robot_controller status"),
+        ("Run `col\u200bcon buil\u00add`.", "colcon build"),
+        ("    $ \uff52os\uff12\u3000run robot_controller status", "ros2 run robot_controller status"),
+        ("```\ncolcon\u00a0test\n```\n\n- `ros2\u00a0topic list`", "colcon test"),
+    ],
+)
+def test_what_only_looks_like_a_command_is_one_that_fails(written: str, seen: str) -> None:
+    """As a text processor writes it: its reader sees a command, and a shell finds none when it is pasted."""
+    found = commands(written, SUBMISSION, BUILD, [RUN])
+    assert found[seen] is False
+    assert not is_typed(seen, written)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Das\u00a0Paket: 👩\u200d🚀 \ufeff\n\n```\ncolcon build\n```",
+        "\tcolcon  build",
+        "`colcon build`\u00a0is it",
+    ],
+)
+def test_signs_beside_a_command_do_not_spoil_it(text: str) -> None:
+    assert commands(text, SUBMISSION, BUILD, [RUN]) == {"colcon build": True}
 
 
 def test_no_command() -> None:

@@ -11,9 +11,10 @@ import json
 import os
 import re
 import shutil
+import unicodedata
 import warnings
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -22,6 +23,7 @@ from ros2lab import course, environment
 from ros2lab.classroom.gradebook import Gradebook, Row
 from ros2lab.classroom.handed_in import ClassError, as_one_name
 from ros2lab.classroom.judging import read_grade
+from ros2lab.classroom.names import canvas
 from ros2lab.classroom.report import file_name, is_device
 from ros2lab.grading.evidence_json import read_evidence
 from ros2lab.grading.grade import Grade
@@ -52,12 +54,27 @@ MOODLE_COLUMNS = (
     "Last modified (submission)",
     "Last modified (grade)",
 )
+_NAMES = (
+    "Student",
+    "LastName",
+    "FirstName",
+    "SIS Login ID",
+    "Full name",
+    "Email address",
+)  # who it is, in words
+_OTHER_IDS = (
+    "SIS User ID",
+    "SIS Login ID",
+    "Integration ID",
+    "ID number",
+)  # numbers that are no platform's own
 MOODLE_FEEDBACK = "Feedback comments"
 PARTICIPANT = re.compile(r"\D*(\d+)\s*")  # the word before the number is in the language of the site
 COLUMN = "ROS 2 week 2"
 NOTEBOOK = "robot_controller"  # the grade cells of nbgrader belong to a notebook
 GRADE_CELL = str.maketrans(".", "-")  # what an id of a criterion has, and nbgrader's ids do not
 _NUMBER = re.compile(r"[-+]?\d+([.,]\d+)?")
+_NO_FORMULA = re.compile(r"[-+]?[\d.,:/ ]*")  # Moodle writes a `-` where there is no date
 
 
 @dataclass(frozen=True)
@@ -132,11 +149,8 @@ def _canvas(graded: Class, path: Path) -> str:
         ]
         return _written(path, table)
     table, form = _exported(graded.columns, ("ID",))
-    header = table[0]
-    place = _assignments_column(header, graded)
-    identifier = header.index("ID")
-    by_id = graded.by_id()
-    filled = _fill(table[1:], identifier, by_id, {place: lambda _line, row: _points(graded, row)})
+    place = _assignments_column(table[0], graded)
+    filled = _fill(table, "ID", graded.by_id(), {place: lambda _line, row: _points(graded, row)})
     return _written(path, table, form) + _unfilled(graded, filled)
 
 
@@ -177,7 +191,7 @@ def _moodle(graded: Class, path: Path) -> str:
     fillers: dict[int, Fill] = {header.index("Grade"): points}
     if MOODLE_FEEDBACK in header:
         fillers[header.index(MOODLE_FEEDBACK)] = lambda _line, row: _comment(graded.grades[row.handed.key])
-    filled = _fill(table[1:], header.index("Identifier"), by_id, fillers)
+    filled = _fill(table, "Identifier", by_id, fillers)
     said = _written(path, table, form)
     if cut:
         said += f"; {len(cut)} have the most that Moodle takes, and more points than that: {_listed(cut)}"
@@ -190,23 +204,49 @@ def _number_in(cell: str) -> float | None:
 
 
 def _fill(
-    lines: Iterable[list[str]],
-    identifier: int,
-    by_id: Mapping[str, Row],
-    fillers: Mapping[int, Fill],
+    table: Sequence[list[str]], identifier: str, by_id: Mapping[str, Row], fillers: Mapping[int, Fill]
 ) -> set[str]:
-    """Fill the grades into what a platform has exported, and return the ids of those who are in it."""
-    filled = set()
-    for line in lines:
-        match = PARTICIPANT.fullmatch(line[identifier]) if len(line) > identifier else None
+    """Fill the grades into what a platform has exported, and return the ids of those who are in it.
+
+    A number names nobody who is called otherwise, or whose line has it as a number of another kind: a list of the students
+    may have the numbers of a university, and a file may be last year's.
+
+    Args:
+        table: the header, and a line for each student.
+        identifier: the column with the platform's own number.
+        by_id: the rows of the gradebook.
+        fillers: what is written, by the place of its column.
+    """
+    header, filled = table[0], set[str]()
+    lines = [dict(zip(header, line, strict=False)) for line in table[1:]]
+    others = Counter(number for line in lines for number in {line.get(name) for name in _OTHER_IDS})
+    for line, cells in zip(table[1:], lines, strict=True):
+        match = PARTICIPANT.fullmatch(cells.get(identifier, ""))
         row = by_id.get(match[1]) if match else None
         if row is None or match is None:
             continue
+        is_its_own = identifier == "ID" and canvas(Path(f"{row.handed.label}_file")) is not None
+        is_of_others = others[match[1]] > (match[1] in (cells.get(name) for name in _OTHER_IDS))
+        if not is_its_own and (is_of_others or not _agree(row, cells)):
+            continue
         filled.add(match[1])
         line.extend([""] * (max(fillers) + 1 - len(line)))
-        for place, value in fillers.items():
-            line[place] = value(line, row)
+        for column, value in fillers.items():
+            line[column] = value(line, row)
     return filled
+
+
+def _agree(row: Row, cells: Mapping[str, str]) -> bool:
+    """Return whether somebody's names and those in a line have a word in common, or either has none."""
+    own, others = _words(row.handed.name, row.handed.email), _words(*(cells.get(name, "") for name in _NAMES))
+    return not (own and others) or not own.isdisjoint(others)
+
+
+def _words(*names: str) -> set[str]:
+    """Return the words of names and of addresses before the `@`, without initials and accents."""
+    text = unicodedata.normalize("NFKD", " ".join(name.partition("@")[0] for name in names).casefold())
+    words = re.findall(r"[^\W\d_]+", "".join(sign for sign in text if not unicodedata.combining(sign)))
+    return {word for word in words if len(word) > 1 or not word.isascii()}
 
 
 def _unfilled(graded: Class, filled: set[str]) -> str:
@@ -221,7 +261,8 @@ def _unfilled(graded: Class, filled: set[str]) -> str:
     if not missing:
         return ""
     return (
-        f"; {len(missing)} are not in it, for no line has a number that is theirs alone: {_listed(missing)}"
+        f"; {len(missing)} are not in it, for no line has a number that is theirs alone, and a word of their name beside it: "
+        f"{_listed(missing)}"
     )
 
 
@@ -262,7 +303,7 @@ def _written(path: Path, table: Sequence[Sequence[str]], form: _Form | None = No
 
 
 def _harmless(cell: str) -> str:
-    return cell if _NUMBER.fullmatch(cell) else disarmed(visible(cell, 50_000, keeps_lines=True))
+    return cell if _NO_FORMULA.fullmatch(cell) else disarmed(visible(cell, 50_000, keeps_lines=True))
 
 
 def _points(graded: Class, row: Row) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import PurePosixPath
 
@@ -48,6 +49,7 @@ def commands(
     """
     facts = facts or Files()
     known, operands = _Known(submission, built, runs, facts), Operands(facts, runs)
+    written, text = text, _as_seen(text)
     code = [match.span() for match in _CODE.finditer(text)]
     found = [
         _command(words)
@@ -56,7 +58,9 @@ def commands(
     ]
     judged = {command: known.judge(command.split()) for command in dict.fromkeys(found[:MOST_COMMANDS])}
     judged |= {
-        command: False for command, is_true in judged.items() if is_true and not operands.fit(command.split())
+        command: False
+        for command, is_true in judged.items()
+        if (is_true and not operands.fit(command.split())) or not is_typed(command, written)
     }
     judged |= {command: None for command in judged if any(map(is_placeholder, command.split()[2:4]))}
     # A README may start other programs, such as turtlesim, and name their topics: we cannot know whether that is true.
@@ -64,6 +68,17 @@ def commands(
         known.owners.of(command.split()) in ("neighbour", "tool", "unknown") for command in judged
     )
     return judged | {command: None for command in judged if is_beside and known.is_elsewhere(command.split())}
+
+
+def _as_seen(text: str) -> str:
+    """Return a text with plain spaces and letters for those that look like them, and without what has no width."""
+    plain = "".join(" " if sign.isspace() and sign not in "\n\t" else sign for sign in text)
+    return "".join(c for c in unicodedata.normalize("NFKC", plain) if unicodedata.category(c) != "Cf")
+
+
+def is_typed(command: str, text: str) -> bool:
+    """Return whether a shell takes a command of a text as it is seen, with the spaces and letters of a keyboard."""
+    return re.search(r"[.,:)\"']*[ \t]+".join(map(re.escape, command.split())), text) is not None
 
 
 def misgiven(texts: Iterable[str], runs: Sequence[Run], facts: Files) -> list[str]:

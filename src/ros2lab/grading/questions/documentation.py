@@ -9,6 +9,7 @@ from functools import lru_cache
 from pathlib import PurePosixPath
 
 from ros2lab.grading.judging.players import Case
+from ros2lab.grading.judging.readme import is_typed
 from ros2lab.grading.judging.readme_owners import Owners, is_of_ros_1, is_placeholder
 from ros2lab.grading.questions.answer import Answer, listed, question, shown
 from ros2lab.grading.questions.launching import excuse
@@ -90,9 +91,17 @@ def readme_commands_are_true(case: Case) -> Answer:
         level = _level_of_wrong(files.readme_commands, failed, is_whole=not lacking)
     else:
         level = "partly" if lacking else "excused" if failed.excused else "true"
-    seen = {"wrong": listed(wrong or failed.excused or started), "lacking": listed(lacking)}
+    told = [_with_its_signs(text, files.readme) for text in wrong or failed.excused or started]
+    seen = {"wrong": listed(told), "lacking": listed(lacking)}
     seen["untried"] = _untried(case, started, failed.needing)
     return Answer(level, seen, ("files.readme_commands",), "README")
+
+
+def _with_its_signs(text: str, readme: str) -> str:
+    """Return a command, with why a shell does not take it, if that cannot be seen."""
+    return (
+        text if is_typed(text, readme) else f"{text} (with spaces or letters that only look like a shell's)"
+    )
 
 
 @dataclass(frozen=True)

@@ -97,12 +97,15 @@ _SHOWN = frozenset(
     ]
 )
 _FOOTNOTE = re.compile(r"\[\^([^\]\s]+)\]")
+_NOTE = re.compile(r"^ {0,3}\[\^([^\]\s]+)\]:[ \t]*", re.MULTILINE)  # where one begins
+_INDENT = re.compile(r"^(?: {1,4}|\t)")  # of what else belongs to one
 _HIDDEN = re.compile(r"\shidden(?![\w-])|display\s*:\s*none", re.IGNORECASE)
 # What TeX's commands and comments leave to be seen is not followed; math without them shows its letters.
 _MATH = re.compile(r"(?<![\w$`])(?:\$\$.*?\$\$|\$`.*?`\$|\$(?=\S)[^$\n]*(?<=\S)\$)(?![\w$])", re.DOTALL)
 _TEX = re.compile(r"\\[a-zA-Z]|%")
 _DRAWN = ("geojson", "topojson", "stl")  # by GitHub, besides mermaid and math: a map or a solid, and no text
 _PARSER = MarkdownIt("commonmark").enable(["table", "strikethrough"])
+_PARAGRAPHS = MarkdownIt("commonmark").disable("reference")
 
 
 def shown(text: str) -> str:
@@ -113,7 +116,29 @@ def shown(text: str) -> str:
 
     Headlines, code and code fences keep their marks.
     """
-    return "".join(_blocks(_PARSER.parse(text))).strip()
+    return "".join(_blocks(_PARSER.parse(_with_notes_below(text)))).strip()
+
+
+def _with_notes_below(text: str) -> str:
+    """Return a text with its footnotes below, and without those that nothing refers to, as GitHub shows it.
+
+    There, what refers to one may be a footnote, too, or itself.
+    """
+    inline = [token for token in _PARAGRAPHS.parse(text) if token.type == "inline" and token.map]
+    used = {name for token in inline for name in _FOOTNOTE.findall(_NOTE.sub("", token.content))}
+    ends = {number: token.map[1] for token in inline for number in range(*token.map or ())}
+    body, notes, own, end = list[str](), dict[str, list[str]](), list[str](), 0
+    for number, line in enumerate(text.splitlines()):
+        begun = _NOTE.match(line) if number in ends else None
+        if begun:
+            own, end = notes.setdefault(begun[1], []), ends[number]
+            own += ["", line[begun.end() :]]
+        elif end and (number < end or not line.strip() or _INDENT.match(line)):
+            own.append(_INDENT.sub("", line))
+        else:
+            end = 0
+            body.append(line)
+    return "\n".join([*body, *(line for name in notes if name in used for line in notes[name])])
 
 
 def _blocks(tokens: Iterable[Token]) -> Iterator[str]:
@@ -121,15 +146,12 @@ def _blocks(tokens: Iterable[Token]) -> Iterator[str]:
     page = _Page(
         inner.content for token in tokens for inner in (token, *(token.children or ())) if _is_html(inner)
     )
-    notes = Counter(
-        name for token in tokens if token.type == "inline" for name in _FOOTNOTE.findall(token.content)
-    )
     for token in tokens:
         if token.type == "html_block":
             yield _without_tags(page.seen(_COMMENT.sub("", token.content)))
         elif token.type == "inline":
             words = _MATH.sub(lambda math: shown_math(math[0]), "".join(_words(token.children or (), page)))
-            yield "".join(f"{line}\n" for line in words.split("\n") if not _is_unused(line, notes))
+            yield f"{words}\n"
         elif not page.is_hidden:
             match token.type:
                 case "heading_open":
@@ -159,12 +181,6 @@ def _fenced(info: Sequence[str], content: str) -> str:
 def shown_math(text: str) -> str:
     """Return what a page shows of math, as far as that is known."""
     return "" if _TEX.search(text) else text
-
-
-def _is_unused(line: str, notes: Counter[str]) -> bool:
-    """Return whether a line is a footnote that nothing refers to."""
-    name = _FOOTNOTE.match(line)
-    return name is not None and line[name.end() :].startswith(":") and notes[name[1]] < 2
 
 
 def _words(tokens: Iterable[Token], page: _Page) -> Iterator[str]:

@@ -62,11 +62,15 @@ def _of_asciidoc(text: str) -> Iterator[str]:
             if not is_left_out:
                 yield line
         elif given := _ATTRIBUTE.match(line):
-            attributes[given[1]] = given[2] or ""
+            attributes[given[1]] = _with(attributes, given[2] or "")
         else:
             is_left_out = bool(line) and (is_left_out or line.startswith(_LEFT_OUT))
             if not is_left_out and not line.startswith("//"):
-                yield _REFERENCE.sub(lambda match: attributes.get(match[1], match[0]), line)
+                yield _with(attributes, line)
+
+
+def _with(attributes: Mapping[str, str], text: str) -> str:
+    return _REFERENCE.sub(lambda match: attributes.get(match[1], match[0]), text)
 
 
 def _under_conditions(text: str, attributes: Mapping[str, str]) -> Iterator[str]:
