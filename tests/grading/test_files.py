@@ -1300,7 +1300,22 @@ _TRIED = {  # what a method tries, and what it catches first and then; the last 
     "a next one": ("self.word = next(self.words)", ["StopIteration"], True),
     "an unknown call": ("self.word = work(msg.data)", ["ZeroDivisionError"], True),
     "a format": ("print(f'{self.count:d}')", ["ValueError"], True),
+    "a word in a table of constants": ("WORDS['start']", ["KeyError"], False),
+    "one that is not there": ("x = WORDS['go']['a']", ["KeyError"], True),
+    "a place in a list of constants": ("self.word = NAMES[0]", ["IndexError"], False),
+    "a letter of a constant": ("x = 'abc'[1]", ["IndexError"], False),
+    "a part of a constant": ("x = 'a b'.index('b') + int(WORDS[FIRST])", ["ValueError"], False),
+    "an own table": ("self.table = {'a': 1}\nself.word = self.table['a']", ["KeyError"], False),
+    "a table that is filled": ("FILLED[word] = 1\nself.word = FILLED['a']", ["KeyError"], True),
+    "a table that is given away": ("work(GIVEN)\nself.word = GIVEN['a']", ["KeyError"], True),
+    "a table that is emptied": ("self.word = LESS['a']\nLESS.clear()", ["KeyError"], True),
+    "a table by another name": ("OTHER = ALSO\nself.word = ALSO['a']", ["KeyError"], True),
+    "a table that comes later": ("self.word = MADE['a']\nMADE = {'a': word}", ["KeyError"], True),
+    "a table of another one": ("self.word = word['a']", ["KeyError"], True),
+    "a word of a message": ("self.word = WORDS[msg.data]", ["KeyError"], True),
 }
+_TABLES = {"WORDS": {"start": 1}, "FIRST": "start", "NAMES": ["a", "b"]}
+_TABLES |= {name: {"a": 1} for name in ("FILLED", "GIVEN", "LESS", "ALSO")}
 
 
 @pytest.mark.parametrize(("body", "kinds", "is_handled"), _TRIED.values(), ids=_TRIED)
@@ -1310,7 +1325,8 @@ def test_a_handler_of_what_never_fails_handles_nothing(
     tried = textwrap.indent(body, "    ")
     caught = "".join(f"except {kind}:\n    print('caught')\n" for kind in kinds)
     method = textwrap.indent(f"try:\n{tried}\n{caught}", "        ")
-    text = f"import rclpy\nfrom std_msgs.msg import String\n\n\n{_OWN}class A:\n    def __init__(self, msg, word):\n{method}\n    def later(self):\n        pass\n\nA(1, 2)\n"
+    tables = "".join(f"{name} = {value!r}\n" for name, value in _TABLES.items())
+    text = f"import rclpy\nfrom std_msgs.msg import String\n\n\n{tables}{_OWN}class A:\n    def __init__(self, msg, word):\n{method}\n    def later(self):\n        pass\n\nA(1, 2)\n"
     texts = {"package.xml": MANIFEST, "setup.py": SETUP, "robot_controller/__init__.py": ""}
     found = look(texts | {"robot_controller/node.py": text}).handlers
     last = text[: text.rindex("except ")].count("\n") + 1

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import builtins
+from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
@@ -15,7 +16,6 @@ from dataclasses import dataclass, replace
 from ros2lab.diagnose.sources.node_source import LOG_METHODS
 from ros2lab.diagnose.sources.python_source import Function, children, walk
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.grading.code.paths import is_made_of_constants
 from ros2lab.handlers import ENDS, EVERY_ERROR, Handlers
 
 _KNOWN = frozenset(
@@ -61,6 +61,10 @@ _NEVER_BY_PUBLISHING = _ONLY_BY.keys() - {
     "ImportError", "ModuleNotFoundError", "UnicodeError", "UnicodeDecodeError", "UnicodeEncodeError",
 }  # fmt: skip
 _FIRM_OPERATORS = (ast.Add, ast.Sub, ast.Mult)
+# What is the same each time if its parts are, and where one looks for a part of it.
+_SAME = (ast.BinOp, ast.BoolOp, ast.UnaryOp, ast.Compare, ast.Tuple, ast.List, ast.Set, ast.Dict, ast.Slice)
+_HOLDERS = (ast.Name, ast.Attribute, ast.Constant, ast.Tuple, ast.List, ast.Dict)
+_ASKS = frozenset(("get", "items", "keys", "values", "index", "count"))  # change nothing
 
 
 class VainHandlers:
@@ -93,6 +97,7 @@ class VainHandlers:
             if isinstance(node, ast.ClassDef) and (attributes := _always_set(node))
             for inner in _after_making(node)
         }
+        self._constants = _constants(nodes)
         used = [node.exc for node in nodes if isinstance(node, ast.Raise) and node.exc is not None]
         used += [node.func for node in nodes if isinstance(node, ast.Call)]
         self._made = {
@@ -115,9 +120,9 @@ class VainHandlers:
                 is_taken
                 or _changes_nothing(node, handler)
                 or all(map(self._is_never_made, errors))
-                or _Tried(errors, self._functions, self._set_by.get(id(node), ()), self._messages).is_vain(
-                    node.body
-                )
+                or _Tried(
+                    errors, self._functions, self._set_by.get(id(node), ()), self._messages, self._constants
+                ).is_vain(node.body)
             )
             if errors and is_vain:
                 vain.append(handler)
@@ -157,6 +162,7 @@ class _Tried:
         computed: all functions, by name, which may be what the files compute when an attribute is asked for.
         always_set: the attributes that the node has whenever it comes here.
         messages: the names of the classes of messages.
+        constants: the names of what is the same whatever comes.
         entered: the names of the functions whose bodies are being looked at.
     """
 
@@ -164,6 +170,7 @@ class _Tried:
     computed: Mapping[str, Sequence[Function]]
     always_set: Collection[str] = ()
     messages: Collection[str] = ()
+    constants: Collection[str] = ()
     entered: frozenset[str] = frozenset()
 
     def is_vain(self, body: Sequence[ast.stmt]) -> bool:
@@ -176,7 +183,7 @@ class _Tried:
         return not {*names}.isdisjoint(self.errors)
 
     def _may_fail(self, node: ast.AST) -> bool:
-        if isinstance(node, _FIRM) or _is_of_constants(node):
+        if isinstance(node, _FIRM) or self.is_the_same(node):
             return False
         if isinstance(node, _PLAIN) and self._is_by_others(node):
             return any(map(self._may_fail, children(node)))
@@ -184,6 +191,24 @@ class _Tried:
             return True  # there may be more values, or fewer
         parts = children(node) if isinstance(node, _OF_PARTS) else self._parts(node)
         return parts is None or any(map(self._may_fail, parts))
+
+    def is_the_same(self, node: ast.AST) -> bool:
+        """Return whether a node computes the same, or fails, whatever comes."""
+        parts: Iterable[ast.AST] = [part for part in children(node) if isinstance(part, ast.expr)]
+        match node:
+            case ast.Name(ctx=ast.Load()) | ast.Attribute(value=ast.Name(), ctx=ast.Load()):
+                is_missing = self._catches("AttributeError", "NameError", "UnboundLocalError")
+                return _name(node) in self.constants and not is_missing
+            case ast.Subscript(ctx=ast.Load(), value=held):
+                is_same = isinstance(held, _HOLDERS)  # what is within may be changed
+            case ast.Call(func=ast.Name(id=name), args=parts, keywords=[]):
+                is_type = isinstance(getattr(builtins, name, None), type)
+                is_same = name not in self.computed and (is_type or name in _SIZES)
+            case ast.Call(func=ast.Attribute(value=of, attr=name), args=given, keywords=[]):
+                is_same, parts = isinstance(of, ast.Constant) or name in _ASKS, (of, *given)
+            case _:
+                is_same = isinstance(node, (ast.Constant, *_SAME))
+        return is_same and all(map(self.is_the_same, parts))
 
     def _is_by_others(self, node: ast.AST) -> bool:
         """Return whether all of the errors are known to come from something else than such a node."""
@@ -232,7 +257,7 @@ class _Tried:
                 parts = given if self._is_firm(name, given) else None
             case _:
                 parts = None
-        return [] if parts is None and is_made_of_constants(call) else parts
+        return parts
 
     def _given_to_method(self, name: str, of: ast.expr, given: Sequence[ast.AST]) -> Sequence[ast.AST] | None:
         match of:
@@ -322,12 +347,39 @@ def _after_making(node: ast.ClassDef) -> Iterator[ast.Try]:
             yield from (part for part in walk(method) if isinstance(part, ast.Try))
 
 
-def _is_of_constants(node: ast.AST) -> bool:
-    """Return whether a node computes the same, or fails, whatever comes."""
-    match node:
-        case ast.BinOp(left=ast.Constant(), right=ast.Constant()):
-            return True
-    return False
+def _constants(nodes: Iterable[ast.AST]) -> set[str]:
+    """Return the names that files bind once, to constants, and whose value is never given away, so that nobody changes it."""
+    given, bound, used = dict[str, ast.expr](), Counter[str](), Counter[str]()
+    for node in nodes:
+        match node:
+            case (
+                ast.Assign(targets=[target], value=value)
+                | ast.AnnAssign(target=target, value=ast.expr() as value)
+            ):
+                given[_name(target)] = value
+            case ast.alias(name=name, asname=other):
+                bound[other or name] += 1
+            case ast.arg(arg=name) | ast.FunctionDef(name=name) | ast.ClassDef(name=name):
+                bound[name] += 1
+            case ast.Subscript(value=held, ctx=ast.Load()) | ast.Compare(comparators=[held]):
+                used[_name(held)] -= 1
+            case ast.Call(func=ast.Name(id=name), args=[held]) if name in _SIZES:
+                used[_name(held)] -= 1
+        if isinstance(node, ast.Attribute) and node.attr in _ASKS:
+            used[_name(node.value)] -= 1
+        if isinstance(node, (ast.Name, ast.Attribute)):
+            (used if isinstance(node.ctx, ast.Load) else bound)[_name(node)] += 1
+    return {
+        name
+        for name, value in given.items()
+        if name and bound[name] == 1 and (isinstance(value, ast.Constant) or not used[name])
+        if _Tried(frozenset(), {}).is_the_same(value)
+    }
+
+
+def _name(node: ast.AST) -> str:
+    """Return the name of something or of an attribute, whoever has it; empty if it is none."""
+    return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
 
 
 def _is_self(node: ast.Attribute) -> bool:
