@@ -199,6 +199,8 @@ def test_ctrl_c_ends_everything_and_says_how_to_go_on(canvas: Path, tmp_path: Pa
         (["report", "elsewhere"], "no gradebook"),
         (["export", "canvas"], "no gradebook"),
         (["override", "Ann", "x.y", "1"], "no gradebook"),
+        (["override", "--comment", "No.", "Ann", "x.y", "-1"], "no gradebook"),
+        (["override", "Ann", "x.y", "-1.5", "--by", "me"], "no gradebook"),
     ],
 )
 def test_wrong_usage_is_one_sentence(

@@ -108,6 +108,38 @@ def test_what_launch_announces_is_no_reason_but_what_it_lists_below(why: str) ->
     assert last_word(said) == why
 
 
+ODD_ENDS = {
+    "a group": (
+        "raise ExceptionGroup('two', [ValueError('one'), ExceptionGroup('inner', [KeyError('left')])])",
+        "KeyError: 'left'",
+    ),
+    "a group of a task": (
+        "import asyncio\nasync def fail():\n    raise ValueError('it | is')\nasync def main():\n"
+        "    async with asyncio.TaskGroup() as group:\n        group.create_task(fail())\nasyncio.run(main())",
+        "ValueError: it | is",
+    ),
+    "one that nothing can be printed of": (
+        "import sys\nclass Odd(Exception):\n    def __repr__(self):\n        raise self\ndel sys.stderr\nraise Odd",
+        "an error that Python could not print",
+    ),
+    "one for which there is no output": (
+        "import sys\ndel sys.stderr\nraise LookupError('no robot')",
+        "LookupError('no robot')",
+    ),
+    "one after a table": ("print('+---+\\n| 1 |\\n+---+')\nraise ValueError('no')", "ValueError: no"),
+}
+
+
+@pytest.mark.parametrize("how", ODD_ENDS)
+def test_of_an_error_in_odd_lines_its_own_words_are_told(how: str) -> None:
+    """Python itself prints them."""
+    code, word = ODD_ENDS[how]
+    if "roup" in code and sys.version_info < (3, 11):
+        pytest.skip("Python 3.10 has no groups of errors")
+    done = run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert last_word(f"{done.stdout}{done.stderr}") == word, done.stderr
+
+
 def test_what_launch_says_on_one_line_is_the_reason() -> None:
     said = "[ERROR] [launch]: Caught exception in launch (see debug for traceback): executable 'x' not found on the libexec directory"
     assert last_word(said) == "executable 'x' not found on the libexec directory"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import sqlite3
 import statistics
@@ -204,7 +205,15 @@ def regrade(
         raise typer.Exit(GRADED_NOT_ALL)
 
 
-@class_.command()
+class _WithNumbers(typer.core.TyperCommand):
+    """A verb to which a number below zero is a number, and no option."""
+
+    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
+        ctx.ignore_unknown_options = any(re.fullmatch(r"-[\d.]+", word) for word in args)
+        return super().parse_args(ctx, args)
+
+
+@class_.command(cls=_WithNumbers)
 def override(
     student: Annotated[str, typer.Argument(help="A name, an id or an email address.")],
     criterion: Annotated[str, typer.Argument(help="Such as documentation.readme; a report names them.")],

@@ -26,6 +26,9 @@ LONGEST = 80  # characters of a submission's text in a sentence
 # What differs between two runs of the same program: addresses, times, process ids.
 _CHANCE = re.compile(r"0x[0-9a-fA-F]+|\b\d{5,}(?:\.\d+)?\b|(?<=\()/[^)]*/")
 _LAST_WORD = re.compile(r"^[\w.]*(?:Error|Exception|Exit|Warning)\b.*|^\w+(?:\.\w+)+: .*")
+_MARGIN = re.compile(r"^\s*(?:\| |\+[-+ \d.]*$)")  # of the errors in an ExceptionGroup
+# Python's own last word of an error, after what the error is, where the program has taken sys.stderr away.
+_UNPRINTED, _DUMPED = "lost sys.stderr", re.compile(r"^object repr +: (.*\S)", re.MULTILINE)
 _OF_LAUNCH = re.compile(r"\[ERROR\] \[launch\]: (?:Caught exception in launch \([^)]*\): )?(.+)")
 _DIED = re.compile(r"\[ERROR\] \[([^\]]+)\]: process has died \[pid \d+, exit code (-?\d+)")
 # What `ros2 launch` prints about a program that it asks to end, and what that program prints then.
@@ -265,7 +268,8 @@ def _asked_to_end(lines: Iterable[str]) -> set[str]:
 def last_word(text: str, longest: int = LONGEST) -> str:
     """Return the line that says why a program ended, without the parts that differ between runs."""
     said = without_ignored(text.splitlines())
-    lines = [line.strip() for line in said if line.strip() and not _REPORT.match(line)]
+    bare = (_MARGIN.sub("", line).strip() for line in said if not _REPORT.match(line))
+    lines = [*filter(None, bare)]
     # The end of a program that was asked to end is no reason.
     asked = _asked_to_end(lines)
     lines = [line for line in lines if line not in asked] or lines
@@ -279,6 +283,8 @@ def last_word(text: str, longest: int = LONGEST) -> str:
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
     reports = [line.partition("]: ")[2] for line in text.splitlines() if _REPORT.match(line)]
     mute = f"no error; it said last: {reports[-1]}" if any(reports) else "no word of why"
+    if _UNPRINTED in lines:
+        lines, mute = _DUMPED.findall(text), "an error that Python could not print"
     word = (telling or lines or [mute])[-1].replace(f"{FILES}/", "")
     word = shown(_CHANCE.sub("…", word.partition(". Did you mean: ")[0]), longest).rstrip(".:")
     is_unread = finds_no_keyboard(word) and finds_no_keyboard(text)
