@@ -17,6 +17,7 @@ from ros2lab.diagnose import confinement, of_workspace
 from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.file_texts import bytes_of
 
 LAUNCH = "launch/robot.launch.py"
 ATTACKS = """
@@ -134,3 +135,28 @@ def test_only_python_s_own_modules_are_imported_and_none_that_is_a_program(name:
 
 def test_a_module_of_python_s_own_is_found() -> None:
     assert interfaces.own_module("unittest.mock") is mock
+
+
+@pytest.mark.parametrize(
+    "name", ["setup.py", "package.xml", "setup.cfg", LAUNCH, "config/odd.yaml", "robot_controller/odd.py"]
+)
+def test_what_may_be_read_without_end_is_told_and_not_read(tmp_path: Path, name: str) -> None:
+    """It is a file like any other to who asks the system, and empty, and reading it waits for the kernel."""
+    root = right_workspace().write(tmp_path)
+    file = next(root.rglob("package.xml")).parent / name
+    file.parent.mkdir(exist_ok=True)
+    file.unlink(missing_ok=True)
+    file.symlink_to("/proc/kmsg")
+    began = time.monotonic()
+    first = of_workspace(root)[0]
+    assert time.monotonic() - began < DEADLINE
+    assert (first.code, first.place) == (UNKNOWN, str(file.relative_to(root)))
+    assert "is a link to /proc/kmsg" in first.cause
+
+
+def test_no_more_is_read_of_a_file_than_it_is_said_to_hold(tmp_path: Path) -> None:
+    """What the kernel makes up holds nothing, as it says."""
+    (tmp_path / "plain").write_text("x" * 100_000)
+    (tmp_path / "own").symlink_to(tmp_path / "plain")
+    assert (bytes_of(Path("/proc/self/status")), len(bytes_of(tmp_path / "own"))) == (b"", 100_000)
+    assert bytes_of(Path("/dev/zero")) == bytes_of(tmp_path) == bytes_of(tmp_path / "none") == b""

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from shlex import quote
 
 UNKNOWN = "unknown"  # the code of an error that is quoted but not explained
 SAID = "passed-on"  # the code of an error that a tool or Python explains itself
@@ -249,6 +250,15 @@ def not_read(shown: str, line: int | None, problem: str) -> Finding:
     """Say that a file is too large to be read here, although ROS may read it."""
     fix = "keep only what is needed, with little nesting: nobody writes this much by hand"
     return Finding(UNKNOWN, f"{shown} is not read here: {problem}.", at(shown, line), fix)
+
+
+def endless(path: Path, root: Path | None) -> Finding:
+    """Say that a file is a link to what has no end, so that nothing beside it is looked at either."""
+    shown = shown_path(path, root)
+    cause = f"{shown} is a link to {path.resolve()}, which the system makes up as it is read, and of which there may be no end; nothing that may read it was started."
+    return Finding(
+        UNKNOWN, cause, shown, f"rm {quote(shown)}, and put a file of your own there if one is needed"
+    )
 
 
 def shown_path(path: Path, root: Path | None) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 from ros2lab import course
 from ros2lab.diagnose.code.bare_imports import bare_imports
 from ros2lab.diagnose.code.imports import hidden_types, shadow_faults
-from ros2lab.diagnose.finding import Finding, ranked, without_loss
+from ros2lab.diagnose.finding import Finding, endless, ranked, without_loss
 from ros2lab.diagnose.launching.awaited_ends import awaited_ends
 from ros2lab.diagnose.launching.keyboards import keyboard_faults
 from ros2lab.diagnose.launching.launch_faults import launch_faults
@@ -46,6 +46,7 @@ from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, homes_
 from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
 from ros2lab.diagnose.rules import source_faults
 from ros2lab.diagnose.sources.beyond import Beyond
+from ros2lab.diagnose.sources.file_texts import is_endless
 from ros2lab.diagnose.sources.made_modules import is_made, written_modules
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.other_files import OtherFiles
@@ -117,10 +118,15 @@ class Look:
         loads: bool = False,
         runs: bool | None = None,
     ) -> None:
-        self.root, self.environ, self.loads = root or Path(), environ, loads
+        self.root, self.environ = root or Path(), environ
         self.packages, self.passed_over = discover(root) if root else ([], [])
+        # Python, setuptools and launch would read them to an end that never comes.
+        self._endless = [
+            path for package in self.packages for path in package.own_files() if is_endless(path)
+        ]
+        self.loads = loads and not self._endless
         for package in self.packages:
-            package.is_run = loads if runs is None else runs
+            package.is_run = (loads if runs is None else runs) and not self._endless
         self._is_workspace = root is not None
         self._sources: dict[Path, NodeSources] = {}
 
@@ -134,6 +140,9 @@ class Look:
         return ranked(without_loss(finding, self.root) for finding in self._findings()) if self else []
 
     def _findings(self) -> Iterator[Finding]:
+        if self._endless:
+            yield from (endless(path, self.root) for path in self._endless)
+            return
         by_name = {package.name: package for package in self.packages}
         plain = {package.name for package in self.packages if not self._is_for_ros(package)}
         yield from guarded(duplicate_faults, self.packages)

@@ -17,9 +17,9 @@ from typing import Any
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
-from ros2lab.diagnose.sources.file_texts import read_toml
+from ros2lab.diagnose.sources.file_texts import LARGEST_FILE, bytes_of, read_toml
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource, last_name
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name
 from ros2lab.diagnose.sources.spelling import nearest, nothing_like
 
 _READERS = ("DictReader", "load", "safe_load", "loads", "read")
@@ -157,7 +157,7 @@ def _files_read(source: PythonSource, look: Look) -> Iterator[_Read]:
 def _keys(path: Path, call: ast.Call) -> tuple[tuple[str, ...], ...]:
     """Return the keys of a file as a call reads it; empty if it cannot be read that way."""
     with contextlib.suppress(OSError, ValueError, csv.Error, configparser.Error, RecursionError):
-        text = path.read_bytes().decode("utf-8")
+        text = bytes_of(path).decode("utf-8")
         if last_name(call.func) == "DictReader":
             given = {keyword.arg: keyword.value for keyword in call.keywords}
             sign = given.get("delimiter")

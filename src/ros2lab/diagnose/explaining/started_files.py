@@ -16,6 +16,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
 from ros2lab.diagnose.printed.transcript import Step, unsettled, words_in
+from ros2lab.diagnose.sources.file_texts import bytes_of
 from ros2lab.diagnose.sources.package import SourcePackage
 
 _SHELL = re.compile(r"(?:\S*/)?(?P<name>bash|zsh|dash|sh)$")
@@ -43,8 +44,7 @@ class Started:
     @property
     def first(self) -> bytes:
         """Its first line, with its end."""
-        with self.path.open("rb") as file:
-            return file.readline(200)
+        return bytes_of(self.path)[:200].partition(b"\n")[0] + b"\n"
 
     def again(self, change: str) -> str:
         """Return a change of the source, and the build that takes it over."""
@@ -164,11 +164,7 @@ def _of_windows(started: Started, look: Look) -> list[str]:
     """Return the file, and those beside it that are installed with it, that have Windows line endings."""
     scripts = _installed(started.package, look) if started.package else ()
     names = [script.source for script in scripts if not script.is_made]
-    files = [
-        path
-        for path in dict.fromkeys((started.source, *names))
-        if path.is_file() and b"\r\n" in path.read_bytes()
-    ]
+    files = [path for path in dict.fromkeys((started.source, *names)) if b"\r\n" in bytes_of(path)]
     return [shown_path(path, look.root) for path in files or [started.source]]
 
 
@@ -176,7 +172,7 @@ def _misread(started: Started, step: Step, look: Look) -> Finding | None:
     """Say why a shell could not run a line of a script; None if it ran all, or if that is not known."""
     asked = _SHELL.match(_program(started.first)) if started.first.startswith(b"#!") else None
     shell = started.shell or (asked["name"] if asked else "")
-    text = started.source.read_text(encoding="utf-8", errors="replace")
+    text = bytes_of(started.source).decode(errors="replace")
     shown = shown_path(started.source, look.root)
     lines = text.splitlines()
     for line in step.lines if shell else ():
@@ -187,7 +183,7 @@ def _misread(started: Started, step: Step, look: Look) -> Finding | None:
             continue
         number, said = int(complaint["line"]), complaint["said"]
         place = f"{shown}:{number}" if Path(complaint["file"]).name == started.path.name else shown
-        if b"\r\n" in started.source.read_bytes():
+        if b"\r\n" in bytes_of(started.source):
             cause = f"{shown} has Windows line endings, and {shell} reads the carriage return as part of each command."
             fix = rf"sed -i 's/\r$//' {quote(shown)}, then type `{step.command}` again"
             return Finding("script-fails", cause, place, fix)

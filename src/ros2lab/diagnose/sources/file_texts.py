@@ -9,6 +9,25 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+LARGEST_FILE = 1_000_000  # bytes; nobody writes more by hand
+
+
+def is_endless(path: Path) -> bool:
+    """Return whether a file is a link to one that the kernel makes up, of which there may be no end."""
+    return path.is_symlink() and path.resolve().parts[1:2] in (("proc",), ("sys",))
+
+
+def bytes_of(path: Path) -> bytes:
+    """Return what a file holds; nothing if it is missing, cannot be read, or is too large.
+
+    Reading a device, a pipe, or what the kernel makes up may never end: no more is read than the file is said to hold.
+    """
+    with contextlib.suppress(OSError):
+        if path.is_file() and (size := path.stat().st_size) <= LARGEST_FILE:
+            with path.open("rb") as file:
+                return file.read(size)
+    return b""
+
 
 def decoded(data: bytes, path: Path) -> str:
     """Return the text of a file: a Python file's in the encoding that it declares, if that is one of texts; else in UTF-8."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from functools import cached_property
 from pathlib import Path
 
+from ros2lab.diagnose.sources.file_texts import bytes_of
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
 
@@ -37,11 +38,7 @@ class OtherFiles:
     def _texts(self) -> list[str]:
         found: list[str] = []
         for path in self._paths():
-            if (
-                len(found) < _MOST
-                and path.stat().st_size < _LARGEST
-                and b"\0" not in path.read_bytes()[:1000]
-            ):
+            if len(found) < _MOST and path.stat().st_size < _LARGEST and b"\0" not in bytes_of(path)[:1000]:
                 found.append(read_text(path))
         return found
 

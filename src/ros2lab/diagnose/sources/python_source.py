@@ -15,7 +15,7 @@ from typing import TypeGuard, TypeVar
 
 from ros2lab.diagnose.finding import at
 from ros2lab.diagnose.sources.bindings import Import, bound_by, imports_in
-from ros2lab.diagnose.sources.file_texts import decoded
+from ros2lab.diagnose.sources.file_texts import bytes_of, decoded
 from ros2lab.diagnose.sources.marks import mark
 from ros2lab.diagnose.sources.static_value import bound, dotted
 
@@ -27,7 +27,6 @@ YIELDS = (ast.Yield, ast.YieldFrom)
 PAUSES = (*YIELDS, ast.Await, ast.AsyncFor, ast.AsyncWith)  # where others may go on before the function does
 
 DEEPEST = 200  # levels; a deeper tree was not written by hand, and is ignored
-LARGEST_FILE = 1_000_000  # bytes; nobody writes more by hand
 
 
 @dataclass(eq=False)
@@ -76,7 +75,7 @@ class PythonSource:
         heading = itertools.takewhile(lambda line: line.lstrip()[:1] in (b"", b"#"), self.lines[:2])
         ast.parse(b"".join(heading))  # of a text, Python does not look at the encoding that it declares
         is_other = self.path is not None and "\ufffd" in self.text
-        return ast.parse(self.path.read_bytes() if self.path and is_other else self.text)
+        return ast.parse(bytes_of(self.path) if self.path and is_other else self.text)
 
     @property
     def readable_to(self) -> float:
@@ -312,13 +311,7 @@ def read_source(path: Path, name: str, shown: str, kind: type[PythonSource] = Py
 
 def read_text(path: Path) -> str:
     """Return the text of a file; empty if it is missing, cannot be read or is too large."""
-    try:
-        # Reading a device or a pipe may never end.
-        if not path.is_file() or path.stat().st_size > LARGEST_FILE:
-            return ""
-        return decoded(path.read_bytes(), path)
-    except OSError:
-        return ""
+    return decoded(bytes_of(path), path)
 
 
 def _depth(tree: ast.AST) -> int:

@@ -12,8 +12,9 @@ from pathlib import Path, PurePosixPath
 from ros2lab.diagnose.code.syntax_repairs import mended
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.topic_faults import ends_of, timers_of
+from ros2lab.diagnose.sources.file_texts import LARGEST_FILE
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import LARGEST_FILE, PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.grading.code.running import running
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.reading.deeds import Deeds

@@ -16,10 +16,10 @@ from typing import Literal
 
 from ros2lab import assignments
 from ros2lab.assignments import Assignment
+from ros2lab.diagnose.sources.file_texts import LARGEST_FILE as LARGEST_SOURCE
 from ros2lab.diagnose.sources.interfaces import is_installed
 from ros2lab.diagnose.sources.node_source import NODE_CLASSES
 from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.python_source import LARGEST_FILE as LARGEST_SOURCE
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.receiving.choice import Candidate, choose, why_not
 from ros2lab.grading.receiving.clean_copy import HAND_IN, CleanCopy, Noted, SubmissionError, shown
