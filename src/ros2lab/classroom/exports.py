@@ -44,16 +44,9 @@ CANVAS_COLUMNS = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
 CANVAS_POINTS = "    Points Possible"  # with the spaces by which Canvas writes it
 MOODLE_MOST = "Maximum Grade"  # what is above it, Moodle leaves out
 MOODLE_COLUMNS = (
-    "Identifier",
-    "Full name",
-    "Email address",
-    "Status",
-    "Grade",
-    MOODLE_MOST,
-    "Grade can be changed",
-    "Last modified (submission)",
-    "Last modified (grade)",
-)
+    "Identifier", "Full name", "Email address", "Status", "Grade", MOODLE_MOST, "Grade can be changed",
+    "Last modified (submission)", "Last modified (grade)",
+)  # fmt: skip
 _NAMES = (
     "Student",
     "LastName",

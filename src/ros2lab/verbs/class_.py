@@ -13,7 +13,7 @@ from contextlib import contextmanager, nullcontext
 from datetime import datetime
 from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -208,7 +208,7 @@ def regrade(
 class _WithNumbers(typer.core.TyperCommand):
     """A verb to which a number below zero is a number, and no option."""
 
-    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         ctx.ignore_unknown_options = any(re.fullmatch(r"-[\d.]+", word) for word in args)
         return super().parse_args(ctx, args)
 

@@ -47,15 +47,9 @@ _ONLY_BY: dict[str, tuple[type[ast.AST], ...]] = {
 }
 # What raises such an error only by what is in it, unless it is named above.
 _PLAIN = (
-    ast.Attribute,
-    ast.Subscript,
-    ast.Slice,
-    ast.BinOp,
-    ast.AugAssign,
-    ast.operator,
-    ast.FormattedValue,
+    ast.Attribute, ast.Subscript, ast.Slice, ast.BinOp, ast.AugAssign, ast.operator, ast.FormattedValue,
     ast.Name,
-)
+)  # fmt: skip
 _SIZES = frozenset(("len", "bool", "str", "repr", "isinstance"))  # raise none of these errors
 _NEVER_BY_PUBLISHING = _ONLY_BY.keys() - {
     "ImportError", "ModuleNotFoundError", "UnicodeError", "UnicodeDecodeError", "UnicodeEncodeError",

@@ -19,83 +19,14 @@ _NEVER_SHOWN = frozenset(
 )
 # The elements whose text every page shows: those that GitHub keeps, and those that divide a page. The text of
 # others is shown in other ways, such as after a click, or where they are not supported.
-_SHOWN = frozenset(
-    [
-        "a",
-        "abbr",
-        "address",
-        "article",
-        "aside",
-        "b",
-        "bdo",
-        "blockquote",
-        "body",
-        "br",
-        "caption",
-        "center",
-        "cite",
-        "code",
-        "dd",
-        "details",
-        "dfn",
-        "div",
-        "dl",
-        "dt",
-        "em",
-        "figcaption",
-        "figure",
-        "font",
-        "footer",
-        "h1",
-        "h2",
-        "h3",
-        "h4",
-        "h5",
-        "h6",
-        "header",
-        "hr",
-        "html",
-        "i",
-        "img",
-        "ins",
-        "kbd",
-        "li",
-        "main",
-        "mark",
-        "nav",
-        "ol",
-        "p",
-        "picture",
-        "pre",
-        "q",
-        "rb",
-        "rt",
-        "rtc",
-        "ruby",
-        "samp",
-        "section",
-        "small",
-        "source",
-        "span",
-        "strong",
-        "sub",
-        "summary",
-        "sup",
-        "table",
-        "tbody",
-        "td",
-        "tfoot",
-        "th",
-        "thead",
-        "time",
-        "tr",
-        "tt",
-        "u",
-        "ul",
-        "var",
-        "wbr",
-    ]
-)
+_SHOWN = frozenset((
+    "a", "abbr", "address", "article", "aside", "b", "bdo", "blockquote", "body", "br", "caption", "center",
+    "cite", "code", "dd", "details", "dfn", "div", "dl", "dt", "em", "figcaption", "figure", "font", "footer",
+    "h1", "h2", "h3", "h4", "h5", "h6", "header", "hr", "html", "i", "img", "ins", "kbd", "li", "main", "mark",
+    "nav", "ol", "p", "picture", "pre", "q", "rb", "rt", "rtc", "ruby", "samp", "section", "small", "source",
+    "span", "strong", "sub", "summary", "sup", "table", "tbody", "td", "tfoot", "th", "thead", "time", "tr",
+    "tt", "u", "ul", "var", "wbr",
+))  # fmt: skip
 _FOOTNOTE = re.compile(r"\[\^([^\]\s]+)\]")
 _NOTE = re.compile(r"^ {0,3}\[\^([^\]\s]+)\]:[ \t]*", re.MULTILINE)  # where one begins
 _INDENT = re.compile(r"^(?: {1,4}|\t)")  # of what else belongs to one
@@ -124,9 +55,10 @@ def _with_notes_below(text: str) -> str:
 
     There, what refers to one may be a footnote, too, or itself.
     """
-    inline = [token for token in _PARAGRAPHS.parse(text) if token.type == "inline" and token.map]
+    inline = [token for token in _PARAGRAPHS.parse(text) if token.type == "inline"]
     used = {name for token in inline for name in _FOOTNOTE.findall(_NOTE.sub("", token.content))}
-    ends = {number: token.map[1] for token in inline for number in range(*token.map or ())}
+    rows = [range(*token.map) for token in inline if token.map]
+    ends = {number: row.stop for row in rows for number in row}
     body, notes, own, end = list[str](), dict[str, list[str]](), list[str](), 0
     for number, line in enumerate(text.splitlines()):
         begun = _NOTE.match(line) if number in ends else None
