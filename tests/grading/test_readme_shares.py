@@ -99,3 +99,13 @@ def test_a_command_that_names_the_package_is_about_it(
     commands = {**dict.fromkeys(true, True), **dict.fromkeys(false, False), **dict.fromkeys(beside)}
     grade = verdict(evidences.files(readme_commands=commands)(evidences.right()), load())
     assert next(one for one in grade.criteria if one.id == "documentation.readme").points == points
+
+
+def test_what_no_shell_takes_is_no_fault_of_the_package() -> None:
+    """Where the spaces are those of a text processor, what it names is there, and the command fails all the same."""
+    readme = "\n".join(f"```\n{command}\n```\n" for command in (BUILD, *RUNS))
+    for text, points in ((readme, 3), (readme.replace(" ", "\u00a0"), 0)):
+        failing = dict.fromkeys((BUILD, *RUNS), text == readme)
+        grade = verdict(evidences.files(readme=text, readme_commands=failing)(evidences.right()), load())
+        (one,) = (one for one in grade.criteria if one.id == "documentation.commands")
+        assert (one.points, "only look like" in one.reason) == (points, not points)

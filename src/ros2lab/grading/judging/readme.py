@@ -78,7 +78,8 @@ def _as_seen(text: str) -> str:
 
 def is_typed(command: str, text: str) -> bool:
     """Return whether a shell takes a command of a text as it is seen, with the spaces and letters of a keyboard."""
-    return re.search(r"[.,:)\"']*[ \t]+".join(map(re.escape, command.split())), text) is not None
+    pattern = re.compile(r"[.,:)\"']*[ \t]+".join(map(re.escape, command.split())))
+    return bool(pattern.search(text) or not pattern.search(_as_seen(text)))
 
 
 def misgiven(texts: Iterable[str], runs: Sequence[Run], facts: Files) -> list[str]:

@@ -131,7 +131,8 @@ def _failed(case: Case) -> _Failed:
         elif _is_misgiven(case, text):
             found.misgiven.append(text)
         else:
-            (found.excused if _is_excused(case, text) else found.wrong).append(text)
+            is_excused = _is_excused(case, text) and is_typed(text, case.evidence.files.readme)
+            (found.excused if is_excused else found.wrong).append(text)
     return found
 
 
