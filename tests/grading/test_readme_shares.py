@@ -108,4 +108,4 @@ def test_what_no_shell_takes_is_no_fault_of_the_package() -> None:
         failing = dict.fromkeys((BUILD, *RUNS), text == readme)
         grade = verdict(evidences.files(readme=text, readme_commands=failing)(evidences.right()), load())
         (one,) = (one for one in grade.criteria if one.id == "documentation.commands")
-        assert (one.points, "only look like" in one.reason) == (points, not points)
+        assert (one.points, "look-alike" in one.reason) == (points, not points)
