@@ -99,9 +99,7 @@ def readme_commands_are_true(case: Case) -> Answer:
 
 def _with_its_signs(text: str, readme: str) -> str:
     """Return a command, with why a shell does not take it, if that cannot be seen."""
-    return (
-        text if is_typed(text, readme) else f"{text} (look-alike spaces or letters)"
-    )
+    return text if is_typed(text, readme) else f"{text} (look-alike spaces or letters)"
 
 
 @dataclass(frozen=True)
