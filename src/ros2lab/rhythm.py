@@ -33,8 +33,13 @@ def period_of(times: Sequence[float]) -> float | None:
 
 def gaps_apart(times: Sequence[float]) -> list[float]:
     """Return the times between messages without those between several at a time."""
-    gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+    gaps = between(times)
     return [gap for gap in gaps if gap > AT_A_TIME * max(gaps)]
+
+
+def between(times: Sequence[float]) -> list[float]:
+    """Return the time from each message to the next."""
+    return [later - earlier for earlier, later in itertools.pairwise(times)]
 
 
 def is_uneven(times: Sequence[float]) -> bool:
@@ -60,8 +65,7 @@ def is_another(period: float, other: float) -> bool:
 
 def median_gap(times: Sequence[float]) -> float | None:
     """Return the median time from one message to the next; None for fewer than two."""
-    gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
-    return statistics.median(gaps) if gaps else None
+    return statistics.median(between(times)) if len(times) > 1 else None
 
 
 def rounded(period: float, wanted: float) -> float:

@@ -121,7 +121,7 @@ def test_an_instructors_own(tmp_path: Path) -> None:
         ("title: Every 2 s", "title:", 5, "a text is wanted here"),
         ("points: 60", "points: many", 6, "a number from 0"),
         ("question: has_its_period", "question: has_its_perod", 7, "there is no such question; there are"),
-        ("      right: ", "      rihgt: ", 9, "the levels of has_its_period are right, close"),
+        ("      right: ", "      rihgt: ", 9, "the levels of has_its_period are right, begun"),
         ("question: code_is_described", "question: goes_on", 15, "goes_on is asked of a part, and the parts are"),
         ("share: 0.9", "share: 90", 10, "a number from 0 to 1"),
         ("share: 0.9", "share: true", 10, "a number from 0 to 1"),

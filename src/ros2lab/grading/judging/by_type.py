@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection, Iterable, Mapping
 from typing import NamedTuple
 
@@ -11,7 +10,7 @@ from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.evidence import Evidence, Run
 from ros2lab.grading.judging.player import Match, Player, is_busy
 from ros2lab.grading.judging.reactions import effects_of, is_followed
-from ros2lab.rhythm import has_period
+from ros2lab.rhythm import between, has_period
 
 
 class Candidate(NamedTuple):
@@ -85,7 +84,7 @@ def is_alike(evidence: Evidence, assignment: Assignment, candidate: Candidate) -
         return False  # the topic is named for another part
     if part.is_publisher:
         times = run.quiet[topic].times if topic in run.quiet else []
-        gaps = [later - earlier for earlier, later in itertools.pairwise(times)]
+        gaps = between(times)
         is_known, is_done = any(has_period(gap, part.period) for gap in gaps), bool(gaps)
     else:
         own = [

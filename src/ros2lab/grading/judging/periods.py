@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import statistics
 from collections.abc import Sequence
@@ -10,7 +11,7 @@ from typing import TypeGuard
 from ros2lab.assignments import Part
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.judging.player import Player
-from ros2lab.rhythm import gaps_apart, is_another
+from ros2lab.rhythm import AT_A_TIME, between, gaps_apart, is_another
 
 NEARLY = 1.2  # the factor within which two periods count as the same, or a change as following a parameter
 
@@ -22,8 +23,12 @@ def period_of(player: Player) -> float | None:
     """
     if player.program in player.run.changed:
         return None
-    gaps = gaps_apart(quiet_times(player)) or gaps_of(player)
-    return statistics.median(gaps) if gaps else None
+    if gaps := gaps_apart(quiet_times(player)):
+        return statistics.median(gaps)
+    gaps = gaps_of(player)
+    # Each step of a stepped clock delays what a timer brings, and the next one makes up for it.
+    middle = statistics.fmean if player.run.clock == "stepped" else statistics.median
+    return middle(gaps) if gaps else None
 
 
 def quiet_times(player: Player) -> list[float]:
@@ -35,13 +40,22 @@ def quiet_times(player: Player) -> list[float]:
 def gaps_of(player: Player) -> list[float]:
     """Return the times between the messages of a whole run, in s.
 
-    Empty if at most one message came after each command: then the rhythm is that of the commands. What came while
-    something was given has the rhythm of that.
+    Empty if no two came apart from each other after the same command: then the rhythm is that of the commands. On a
+    stepped clock, time passes after each of these: what is silent then has paused. On the real one they may come
+    quickly, and a message before them tells of a rhythm, too. What came while something was given has the rhythm of that.
     """
-    given = player.run.meanwhile.get(player.topic)
-    own = [heard for heard in player.heard if heard is not given]
-    is_own = quiet_times(player) or any(heard.count > 1 for heard in own)
-    return gaps_apart([time for heard in own for time in heard.times]) if is_own else []
+    run, is_stepped = player.run, player.run.clock == "stepped"
+    stretches = [
+        topics[player.topic].times if player.topic in topics else []
+        for topics in (run.stretches if player.heard else ())
+        if topics is not run.meanwhile
+    ]
+    # On the real clock, commands may follow each other more quickly than messages.
+    blocks = itertools.groupby(stretches, lambda times: bool(times) and is_stepped)
+    gaps = [gap for _, block in blocks for gap in between([*itertools.chain.from_iterable(block)])]
+    least = AT_A_TIME * max(gaps, default=0.0)
+    is_own = any(gap > least for times in stretches for gap in between(times))
+    return [gap for gap in gaps if gap > least] if is_own or (quiet_times(player) and not is_stepped) else []
 
 
 def is_changed(before: Run, after: Run) -> bool:

@@ -17,7 +17,7 @@ from ros2lab.grading.questions.answer import Answer, last_word, question, shown
 from ros2lab.grading.questions.commands import FLOOD
 from ros2lab.grading.reading.deeds import READS, REPEATS, VARIES
 from ros2lab.grading.senses import is_velocity, numbers_in, seen
-from ros2lab.rhythm import distance, has_period, is_uneven, rounded
+from ros2lab.rhythm import between, distance, has_period, is_uneven, rounded
 
 LONG_AFTER = 1.0  # s between two messages; a velocity that is published again and again comes more often
 LEAST_TOLD = 0.001  # s between two messages; what is shorter is told as this
@@ -25,21 +25,21 @@ TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
 
 
 @question(
-    "right close off far irregular growing once empty silent written missing",
+    "right begun close off far irregular growing once empty silent written missing",
     "period topic",
     nodes.CODES | frozenset(("period",)),
     ("publisher",),
     needs="period",
     mute="once silent",
     deeds=REPEATS,
-    tells="right close",
+    tells="right begun close",
 )
 def has_its_period(case: Case, part: Part) -> Answer:
     """Whether messages come with the period that is asked for, by the node itself or as launched."""
     everybody = of_one_node(case.players[part.name], case.main(part))
+    end = case.written(part)
+    is_written = end is not None and any(has_period(period, part.period) for period in end.periods)
     if not everybody:
-        end = case.written(part)
-        is_written = end and any(has_period(period, part.period) for period in end.periods)
         level = "written" if is_written else "missing"
         return Answer(level, {"period": "", "topic": ""}, ("runs", "files.ends"))
     heard = [player for player in everybody if player.is_heard]
@@ -49,7 +49,11 @@ def has_its_period(case: Case, part: Part) -> Answer:
     if not found:
         total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
         level = "silent" if not total else "once" if total == 1 else "irregular"
-        return _rhythm(level, (players or everybody)[0])
+        first = (players or everybody)[0]
+        # On the real clock, commands follow each other more quickly than messages that only they begin.
+        is_late = not quiet_times(first) and first.run.clock == "real"
+        is_begun = level == "once" and is_late and end is not None and is_written and REPEATS not in end.never
+        return _rhythm("begun" if is_begun else level, first)
     return _rhythm("empty", found[0][0]) if _is_empty(players) else _of_periods(case, part, found)
 
 
@@ -153,7 +157,7 @@ def _is_echo(players: Sequence[Player]) -> bool:
     after = [[topics.get(player.topic) for topics in _after_words(player.run)] for player in players]
     times = [[heard.times[0] for heard in stretches if heard and heard.times] for stretches in after]
     return any(
-        1 < len(came) == len(stretches) and min(_between(came)) > LONG_AFTER
+        1 < len(came) == len(stretches) and min(between(came)) > LONG_AFTER
         for came, stretches in zip(times, after, strict=True)
     )
 
@@ -274,7 +278,7 @@ def _is_other(case: Case, player: Player) -> bool:
 
 def _is_growing(case: Case, player: Player) -> bool:
     """Return whether more and more messages come because the code makes another timer whenever one fires."""
-    gaps = _between(quiet_times(player))
+    gaps = between(quiet_times(player))
     makes_more = any(code == "timer-in-callback" for code, *_ in case.evidence.files.findings)
     return makes_more and player.run.clock == "real" and bool(gaps) and min(gaps) < max(gaps) / 4
 
@@ -282,7 +286,3 @@ def _is_growing(case: Case, player: Player) -> bool:
 def _is_steady(player: Player) -> bool:
     """Return whether all gaps between messages in a run are right."""
     return all(_is_right(player.part, gap) for gap in gaps_of(player))
-
-
-def _between(times: list[float]) -> list[float]:
-    return [later - earlier for earlier, later in itertools.pairwise(times)]
