@@ -194,3 +194,111 @@ def test_a_copy_beside_nodes_for_each_part_costs_nothing() -> None:
     runs = [evidences.status_run(), evidences.command_run(), evidences.velocity_run()]
     given = evidences.right([*runs, driver("/robot", "robot"), driver("/robot", "robot_copy")])
     assert judged(given)[f"{VELOCITY}.topic"].points == 5
+
+
+TOPIC = "/robot/status"
+BATTERY = "Traceback (most recent call last):\nRuntimeError: battery empty"
+
+
+def answering() -> Run:
+    """Return a run of a command subscriber that also says a status after each command."""
+    run = evidences.command_run()
+    said = [
+        replace(one, topics={TOPIC: evidences.heard(STRING, run.nodes[0], [{"data": "ok"}])})
+        for one in run.commands
+    ]
+    return replace(run, commands=said, publishes={TOPIC: {run.nodes[0]: [STRING]}})
+
+
+@pytest.mark.parametrize(
+    ("end", "program", "points"),
+    [("", STATUS, 5.0), (BATTERY, STATUS, 1.25)],
+)
+def test_the_program_with_the_rhythm_answers_for_the_status(end: str, program: str, points: float) -> None:
+    """Another one only says something when it is told to, on the same topic."""
+    status = evidences.status_run()
+    status = replace(status, ended={STATUS: end} if end else {})
+    evidence = evidences.right([answering(), status, evidences.velocity_run()])
+    found = judged(evidence)
+    assert found["status_publisher.topic"].reason == "/status_publisher publishes on /robot/status."
+    assert found["status_publisher.life"].reason.startswith(program)
+    assert found["status_publisher.life"].points == points
+
+
+def relay(given: str, kind: str = TWIST) -> Evidence:
+    """Return evidence of a velocity that comes only of what was given on a topic."""
+    silent = evidences.velocity_run(values=[])
+    taker = replace(silent, subscribes={given: {silent.nodes[0]: [kind]}})
+    gave = replace(evidences.velocity_run(), subscribes=taker.subscribes, setting=GIVEN, given=[given])
+    evidence = evidences.right([evidences.status_run(), evidences.command_run(), taker])
+    return replace(evidence, runs=[*evidence.runs, gave])
+
+
+def test_what_is_only_handed_on_is_told() -> None:
+    """It does not count, and it came."""
+    found = judged(relay("/cmd_vel_raw"))
+    for question in ("repetition", "values", "life"):
+        one = found[f"velocity_publisher.{question}"]
+        assert one.points == 0
+        assert "but what /velocity_publisher hands on from /cmd_vel_raw" in one.reason
+    assert "hands on" not in str([*judged(relay("/odom", "nav_msgs/msg/Odometry")).values()])
+
+
+def for_want_of_a_sister(topic: str, *, is_lost: bool = True, spins: bool = True) -> Evidence:
+    """Return evidence of a velocity that takes what the command subscriber says on a topic."""
+    silent = evidences.velocity_run(values=[])
+    taker = replace(silent, subscribes={topic: {silent.nodes[0]: [STRING]}})
+    evidence = evidences.right([evidences.status_run(), evidences.command_run(), taker])
+    ends = [
+        WrittenEnd(topic, STRING, True, [], COMMAND),
+        WrittenEnd("/cmd_vel", TWIST, True, [0.1], VELOCITY),
+    ]
+    evidence = evidences.files(ends=ends)(evidence)
+    evidence = evidences.without(COMMAND, BATTERY)(evidence) if is_lost else evidence
+    assert evidence.build
+    programs = [replace(one, never_spins=not spins) for one in evidence.build.executables]
+    return replace(evidence, build=replace(evidence.build, executables=programs))
+
+
+@pytest.mark.parametrize(
+    ("evidence", "expected"),
+    [
+        (for_want_of_a_sister("/robot/status"), 20),
+        (for_want_of_a_sister("/accepted"), 20),
+        (for_want_of_a_sister("/robot/command"), 6.5),  # its node plays that part, too
+        (for_want_of_a_sister("/accepted", is_lost=False), 9),
+        (for_want_of_a_sister("/accepted", spins=False), 9),
+    ],
+)
+def test_the_end_of_one_program_is_paid_once(evidence: Evidence, expected: float) -> None:
+    """What takes the messages of a program that ended is silent for want of them."""
+    assert points(evidence, VELOCITY) == expected
+
+
+INT32, TELLS = "std_msgs/msg/Int32", "/robot/command takes a std_msgs/Int32: 1 is start, 2 stop, 3 reset."
+
+
+def by_number(readme: str, does: list[str], topic: str = "/robot/command") -> Evidence:
+    """Return evidence of a command subscriber that takes numbers."""
+    run = replace(evidences.command_run(kind=INT32, topic=topic, texts=()), commanded="")
+    evidence = evidences.right([evidences.status_run(), run, evidences.velocity_run()], readme)
+    end = WrittenEnd(topic, INT32, False, [], COMMAND, does=does)
+    return evidences.files(ends=[end])(evidence)
+
+
+@pytest.mark.parametrize(
+    ("readme", "does", "expected"),
+    [
+        (TELLS, ["reads", "compares", "logs"], 4 + 3 + 1 + 1),
+        (TELLS, ["reads", "logs"], 4 + 0 + 1 + 1),
+        (TELLS, [], 2 + 0 + 0 + 1),
+        (evidences.README, ["reads", "compares", "logs"], 4 + 0 + 0 + 1),
+    ],
+)
+def test_documented_commands_of_another_type_count_half(
+    readme: str, does: list[str], expected: float
+) -> None:
+    """They cannot be said here, and the README and the code tell of them."""
+    found = by_number(readme, does)
+    assert points(found, COMMAND) == expected
+    assert "Keep the node spinning" not in str(judged(found))

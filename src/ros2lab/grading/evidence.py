@@ -22,6 +22,9 @@ KEYBOARD = "a keyboard"  # which nobody uses during grading
 # The beginnings of what is said of a package that is built, or passed over, as one of another type.
 OTHER_TYPE = ("colcon does not take it for an ament_python package", "colcon lists it as ")
 NO_WORD = "colcon ended without an error, and nothing was installed."  # as the error of a build
+DOCUMENTED = (
+    "documented"  # the setting of a run of a silent program with the parameters that the README gives it
+)
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 
 
@@ -317,7 +320,7 @@ class Run:
     Attributes:
         programs: what was started, by the names of `Executable`.
         setting: `alone` (or among others, if what the program did can be told apart), `together`, `launched`,
-            `given`, or a parameter such as `period:=1.0`.
+            `documented`, `given`, or a parameter such as `period:=1.0`.
         clock: the clock that timers follow.
         nodes: full names of the nodes that appeared.
         publishes: types by topic and node.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import defaultdict
 from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
@@ -41,7 +42,9 @@ NOT_DONE = "This could not be tried here: {}. But {}."
 DO = "Write what the node is to do, also where it cannot be tried."
 DOUBTED = "Only {share:.0%} of it counts, because {why}."
 OTHER_TYPE = "the node that is meant for {wanted} has another type than {wanted_type}"
-OTHER_NODE = "its topic is not {wanted}, and nothing else tells that this node is meant for it"
+OTHER_NODE = (
+    "its topic is not {wanted}, and nothing that it does tells that it is meant for it, whatever it is called"
+)
 MEANT = "Use the topic {wanted} and the type {wanted_type}."
 STRANGE, WRONG_TYPE = "strange", "wrong"  # answers about a node's topic, and its type
 OTHER_TOPICS = ("near", "other", STRANGE)
@@ -231,7 +234,7 @@ def _is_fault(lost: Judgement, answer: Answer) -> bool:
 
     What could not be tried has another cause; what was not asked for is no fault.
     """
-    is_untried = answer.level == "untried" or (answer.excuse and not answer.lack)
+    is_untried = answer.level in ("untried", "otherwise") or (answer.excuse and not answer.lack)
     return not is_untried and (lost.component != BONUS or answer.level not in (MISSING, "none", "of_an_end"))
 
 
@@ -290,6 +293,12 @@ def _notes_of_runs(case: Case) -> Iterator[str]:
     # A program that ends without a command when alone is not ended by a command to another program.
     runs, part = case.evidence.runs, case.assignment.commanded
     brief = {name for run in runs if run.setting == "alone" and not deadly_in(run) for name in run.ended}
+    watched = defaultdict[str, list[str]](list)
+    for run in runs:
+        for note in run.notes:
+            watched[note].append(f"{shown(', '.join(run.programs))}, {shown(run.setting)}")
+    for note, those in watched.items():
+        yield f"{'; '.join(dict.fromkeys(those))}: {shown(note, LONGEST_FAULT)}"
     for run in runs:
         yield from _notes_of(run, brief, part)
         for topic, types in run.torn.items():
@@ -338,8 +347,6 @@ def _notes_of(run: Run, brief: Collection[str], part: Part | None) -> Iterator[s
     who = shown(", ".join(run.programs))
     if run.refused:
         yield f"{who}, {shown(run.setting)}: it was watched as outside the lab, where {last_word(run.refused)} is no error."
-    for note in run.notes:
-        yield f"{who}, {shown(run.setting)}: {shown(note, LONGEST_FAULT)}"
     if run.unfinished:
         yield f"{who}, {shown(run.setting)}: not all could be tried, for {run.unfinished}."
     deadly = deadly_in(run)

@@ -10,6 +10,7 @@ from typing import Literal
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import (
+    DOCUMENTED,
     GIVEN,
     CommandSeen,
     Heard,
@@ -45,7 +46,7 @@ _LACKED = {
         re.MULTILINE | re.IGNORECASE,
     ),
 }
-PLAIN_SETTINGS = ("alone", "together", "launched", GIVEN)  # all others name a changed parameter
+PLAIN_SETTINGS = ("alone", "together", "launched", DOCUMENTED, GIVEN)  # all others name a changed parameter
 STAND_IN = "std_msgs/msg/Empty"  # the base class of the stand-in for a message that is not installed here
 
 Match = Literal["right", "near", "other", "unnamed", "misplaced"]
@@ -219,6 +220,11 @@ class Player:
     def is_fit_after_given(self) -> bool:
         """Whether what came in a run in which something was given is its own: what it publishes, or a later reaction."""
         return self.part.is_publisher or bool(self.run.gave and not self.run.ended)
+
+    @property
+    def comes_by_itself(self) -> bool:
+        """Whether several messages came on its topic before any command or request."""
+        return self.topic in self.run.quiet and self.run.quiet[self.topic].count > 1
 
     @property
     def is_idle(self) -> bool:

@@ -243,11 +243,12 @@ class Case:
         """Return whether a player can be one of the executables.
 
         A launch file may remap topics and set parameters; but then an executable also does the part without
-        it, on whatever topic, or ends with an error.
+        it, on whatever topic, or at least has its publisher, or ends with an error.
         """
         alone = [run for run in self.evidence.runs if run.setting != "launched"]
         return (
             player.run.setting != "launched"
+            or any(player.node in run.publishes.get(player.topic, ()) for run in alone)
             or any(is_done(player.part, run, player.types) for run in alone)
             or any(
                 "Traceback (most recent call last)" in said for run in alone for said in run.ended.values()
@@ -362,6 +363,7 @@ class Case:
             MATCHES.index(player.match),
             player.part.type_name not in player.types,
             not player.is_heard,
+            bool(player.part.period) and not player.comes_by_itself,
             not self.is_installed(player),
             self._is_beside(player),
             PLAIN_SETTINGS.index(player.run.setting),

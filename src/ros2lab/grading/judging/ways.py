@@ -18,7 +18,7 @@ Way = dict[str, list[Player]]  # by part, its players in this way; the most tell
 
 
 def best_way(players: Mapping[str, Sequence[Player]], shut_out: Collection[str] = ()) -> Way:
-    """Return the way in which most topics are right; of equal ones, the one with the most right periods.
+    """Return the way in which most topics are right; of equal ones, that in which most comes, with the right periods.
 
     Args:
         players: by part, its players in each run, the most telling first.
@@ -143,9 +143,15 @@ def _base(node: str) -> str:
 
 
 def _worth(way: Way) -> tuple[int, int, int]:
-    """Return how many topics and periods of a way are right, and how near the other topics are."""
+    """Return how many topics of a way are right, how much comes on them as asked, and how near the other topics are."""
     best = [min(MATCHES.index(player.match) for player in players) for players in way.values()]
-    return best.count(0), sum(map(_has_period, way.values())), sum(len(MATCHES) - rank for rank in best)
+    return best.count(0), sum(map(_spoken, way.values())), sum(len(MATCHES) - rank for rank in best)
+
+
+def _spoken(players: Sequence[Player]) -> int:
+    """Return 2 if something comes from a publisher with its period, 1 if without, 0 if nothing comes."""
+    is_heard = any(player.part.is_publisher and player.is_heard for player in players)
+    return is_heard + _has_period(players)
 
 
 def _has_period(players: Sequence[Player]) -> bool:

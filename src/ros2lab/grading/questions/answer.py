@@ -13,10 +13,11 @@ from dataclasses import dataclass, field, replace
 from ros2lab.assignments import End, Part
 from ros2lab.diagnose import net
 from ros2lab.diagnose.printed.ignored import without_ignored
-from ros2lab.grading.evidence import KEYBOARD
+from ros2lab.grading.evidence import DOCUMENTED, KEYBOARD, Run
 from ros2lab.grading.judging.excuses import Excuse, excuse
-from ros2lab.grading.judging.player import finds_no_keyboard
+from ros2lab.grading.judging.player import Player, finds_no_keyboard
 from ros2lab.grading.judging.players import Case
+from ros2lab.grading.judging.sisters import lost_sister
 from ros2lab.grading.reading.unread import FAILED, NO_FAULT, missing
 from ros2lab.grading.sandbox.keeper import is_limit
 from ros2lab.grading.sandbox.worlds import FILES
@@ -134,7 +135,8 @@ class Question:
         # For what was never seen, the code must plainly do what is asked for.
         is_open = answer.level in ("written", *self.mute)
         why, lack = excuse(case, part, self.deeds) if is_open else Excuse()
-        seen = {**asked(part), "outside": _outside(case, part), **answer.seen}
+        why = why or (lost_sister(case, part) if answer.level in self.mute else "")
+        seen = {**asked(part), "outside": _outside(case, part), "but": _handed_on(case, part), **answer.seen}
         return replace(answer, seen=seen, excuse=why, lack=lack)
 
 
@@ -146,8 +148,32 @@ def _outside(case: Case, part: Part) -> str:
         return " outside the lab, which refuses its numbers"
     absent = [name for name in program.absent if name != KEYBOARD] if program else []
     stood_in = f", with an empty stand-in for {listed(absent)}" if absent else ""
+    if player and player.run.setting == DOCUMENTED:
+        return ", with the parameters that the README gives"
     typed = [repr(line) for line in player.run.typed] if player else []
     return f"{stood_in}, while {listed(typed)} were typed" if typed else stood_in
+
+
+def _handed_on(case: Case, part: Part) -> str:
+    """Return what came from a part's node and does not count, as the end of a sentence that says that nothing came."""
+    player = case.main(part)
+    if player is None or not part.is_publisher:
+        return ""
+    runs = [run for run in case.evidence.runs if _is_told(player, run)]
+    taken = {
+        topic
+        for run in runs
+        if player.node in run.publishes.get(player.topic, ()) and not replace(player, run=run).is_heard
+        for topic in (*run.given, run.commanded)
+        if player.node in run.subscribes.get(topic, ())
+    }
+    return f" but what {shown(player.node)} hands on from {listed(sorted(taken))}" if taken else ""
+
+
+def _is_told(player: Player, run: Run) -> bool:
+    """Return whether something of a player's types came on its topic in a run."""
+    heard = (topics[player.topic] for topics in run.stretches if player.topic in topics)
+    return any(one.type_name in player.types for one in heard)
 
 
 def asked(part: Part) -> dict[str, str]:
@@ -174,7 +200,7 @@ def asked(part: Part) -> dict[str, str]:
     }
 
 
-ASKED = frozenset((*asked(Part("", "publisher", "", "")), "outside"))
+ASKED = frozenset((*asked(Part("", "publisher", "", "")), "outside", "but"))
 QUESTIONS: dict[str, Question] = {}
 
 

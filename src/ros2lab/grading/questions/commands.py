@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from ros2lab.assignments import Part
 from ros2lab.grading.code.branches import LAST, MUTE
-from ros2lab.grading.evidence import CommandSeen, Heard, Run
+from ros2lab.grading.evidence import CommandSeen, Heard, Run, WrittenEnd
 from ros2lab.grading.judging import reactions
 from ros2lab.grading.judging.commanded import (
     Told,
@@ -32,7 +32,7 @@ from ros2lab.grading.judging.players import Case
 from ros2lab.grading.judging.told_again import told_by_place
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, ended, last_word, listed, question, raised_at, shown
-from ros2lab.grading.reading.deeds import COMPARES, LOGS
+from ros2lab.grading.reading.deeds import COMPARES, LOGS, READS
 from ros2lab.grading.senses import is_still
 
 VERY_MANY = "very many commands"
@@ -43,7 +43,7 @@ _SAID = dict.fromkeys(("unprocessed", "why", "so", "own", "besides", "fallback",
 
 
 @question(
-    "all mixed told_apart until_end two one own_words echoed inverted capitals none untried written missing",
+    "all mixed told_apart until_end two one own_words echoed inverted capitals none otherwise untried written missing",
     "unprocessed why so own besides fallback spelling",
     nodes.CODES,
     mute="none untried",
@@ -59,9 +59,7 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         return Answer(level, _SAID, ("runs", "files.depended_on"))
     runs = {player.number: player.run for player in players if player.commands}
     if not runs:
-        return Answer(
-            "untried", _SAID | {"why": _untried(players[0])}, (players[0].key,), shown(players[0].node)
-        )
+        return _unsaid(case, players[0], COMPARES, _SAID)
     telling = [player.run for player in telling_players(players)]
     told = told_of(case, part)
     own = _own_words(part, runs.values(), {*map(id, telling)}, unprompted(case))
@@ -136,7 +134,7 @@ def _keys_of(part: Part, number: int, run: Run) -> tuple[str, ...]:
 
 
 @question(
-    "all until_end some unspecific none untried missing",
+    "all until_end some unspecific none otherwise untried missing",
     "silent told why line",
     nodes.CODES | {"logger-arguments"},
     mute="none untried",
@@ -150,8 +148,7 @@ def commands_are_logged(case: Case, part: Part) -> Answer:
         return Answer("missing", seen, ("runs",))
     telling = telling_players(players)
     if not telling:
-        seen["why"] = _untried(players[0])
-        return Answer("untried", seen, (players[0].key,), shown(players[0].node))
+        return _unsaid(case, players[0], LOGS, seen)
     runs = [player.run for player in telling]
     lines = [line for run in runs for command in run.commands for line in command.log]
     if all(level == "PRINT" for level, _ in lines):
@@ -258,6 +255,20 @@ def _says_anything(part: Part, runs: Iterable[Run]) -> bool:
         for command in run.commands
         if command.text in (*part.commands, *capitals)
     )
+
+
+def _unsaid(case: Case, player: Player, deed: str, seen: Mapping[str, str]) -> Answer:
+    """Answer where no command was said; if it takes another type, by what the README and the code say of that."""
+    kind, readme = player.types[0].rpartition("/")[2], case.evidence.files.readme
+    is_told = kind != player.part.short_type and kind in readme and player.topic in readme
+    does = {done for end in case.evidence.files.ends if _is_its_own(end, player) for done in end.does or ()}
+    is_told &= {READS, deed} <= does and player.end is None
+    level = "otherwise" if is_told else "untried"
+    return Answer(level, {**seen, "why": _untried(player)}, (player.key,), shown(player.node))
+
+
+def _is_its_own(end: WrittenEnd, player: Player) -> bool:
+    return not end.is_publisher and (end.topic, end.type_name) == (player.topic, player.types[0])
 
 
 def _untried(player: Player) -> str:

@@ -22,7 +22,7 @@ from ros2lab.grading.questions.answer import Answer, last_word, listed, question
 from ros2lab.grading.reading.package_facts import DECLARED, MANIFEST_FINDINGS, SETUP_FINDINGS
 
 _WRITTEN = {
-    "description_is_written": "the description",
+    "description_is_written": "a telling description",
     "license_is_written": "the license",
     "maintainer_is_written": "a maintainer with an address",
 }

@@ -49,6 +49,7 @@ class Program:
         enclave: the enclave that its nodes report, such as `/program_1`; empty if it does not matter whose
             they are.
         keys: the lines that are typed for it, if it has a keyboard.
+        setting: the setting of a Run in which it is alone; if empty, its parameters, or `alone`.
         has_clock: whether it does something else on the real clock than on one that is stepped; then none is
             stepped.
     """
@@ -60,6 +61,7 @@ class Program:
     takes_arguments: bool = True
     enclave: str = ""
     keys: Sequence[str] = ()
+    setting: str = ""
     has_clock: bool = False
 
     def words(self, *, is_stepped: bool) -> list[str | Path]:
@@ -383,7 +385,7 @@ class Job:
 
 
 def _setting(program: Program) -> str:
-    return " ".join(program.parameters) or "alone"
+    return program.setting or " ".join(program.parameters) or "alone"
 
 
 def _whole_lines(output: str, begin: int, end: int) -> list[str]:

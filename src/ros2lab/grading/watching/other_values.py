@@ -3,18 +3,39 @@
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 from ros2lab.assignments import Assignment
-from ros2lab.grading.evidence import Files, Run
+from ros2lab.grading.evidence import DOCUMENTED, Files, Run
 from ros2lab.grading.judging.periods import is_changed, is_followed
 from ros2lab.grading.judging.player import RATE, is_timers
 from ros2lab.grading.questions.parameters import setting
 from ros2lab.grading.watching.job import Program
 
+# In a README: a program with the rest of its command, the parameters in that, and those that are set later.
+_RUN = re.compile(r"\bros2 +run +\S+ +(\S+)((?:\\\n|[^\n`#&|;])*)")
+_GIVEN = re.compile(r"(?:-p|--param) +['\"]?(\w[\w.]*:=[^\s'\"]+)")
+_SET = re.compile(r"\bros2 +param +set +/?(\S+) +([\w.]+) +([^\s`'\"#&|;]+)")
 DOUBTFUL = 1.4  # s or Hz, for a timer parameter whose value is not known
+
+
+def documented(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:
+    """Yield programs that have publishers and are silent, with the parameters that the README gives them."""
+    said = {topic for run in runs for topics in run.stretches for topic in topics}
+    for program in programs:
+        own = [run for run in runs if run.setting == "alone" and run.programs == [program.name]]
+        topics = {topic for run in own for topic in run.publishes}
+        nodes = {node.lstrip("/") for run in own for node in run.nodes}
+        if not topics or topics & said:
+            continue
+        run_with = (_GIVEN.findall(rest) for name, rest in _RUN.findall(facts.readme) if name == program.name)
+        later = [f"{name}:={value}" for node, name, value in _SET.findall(facts.readme) if node in nodes]
+        for given in dict.fromkeys((*map(tuple, run_with), tuple(later))):
+            if given:
+                yield replace(program, parameters=given, setting=DOCUMENTED)
 
 
 def changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> Iterator[Program]:
@@ -23,6 +44,7 @@ def changed(programs: Sequence[Program], runs: Sequence[Run], facts: Files) -> I
     A program that does not spin cannot say which parameters it has; for it, those that the code declares are
     tried.
     """
+    yield from documented(programs, runs, facts)
     by_name = {program.name: program for program in programs}
     numbers = {
         (run.programs[0], name): number
