@@ -14,7 +14,7 @@ from dataclasses import replace
 
 from ros2lab.assignments import Part
 from ros2lab.grading.code.branches import LAST, MUTE
-from ros2lab.grading.evidence import CommandSeen, Heard, Run, WrittenEnd
+from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.judging import reactions
 from ros2lab.grading.judging.commanded import (
     Told,
@@ -261,14 +261,10 @@ def _unsaid(case: Case, player: Player, deed: str, seen: Mapping[str, str]) -> A
     """Answer where no command was said; if it takes another type, by what the README and the code say of that."""
     kind, readme = player.types[0].rpartition("/")[2], case.evidence.files.readme
     is_told = kind != player.part.short_type and kind in readme and player.topic in readme
-    does = {done for end in case.evidence.files.ends if _is_its_own(end, player) for done in end.does or ()}
-    is_told &= {READS, deed} <= does and player.end is None
+    its_own = [end for end in case.evidence.files.ends if end.topic == player.topic and not end.is_publisher]
+    is_told &= player.end is None and any({READS, deed} <= {*(end.does or ())} for end in its_own)
     level = "otherwise" if is_told else "untried"
     return Answer(level, {**seen, "why": _untried(player)}, (player.key,), shown(player.node))
-
-
-def _is_its_own(end: WrittenEnd, player: Player) -> bool:
-    return not end.is_publisher and (end.topic, end.type_name) == (player.topic, player.types[0])
 
 
 def _untried(player: Player) -> str:

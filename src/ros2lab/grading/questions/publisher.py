@@ -72,7 +72,7 @@ def _of_periods(case: Case, part: Part, found: Sequence[tuple[Player, float]]) -
     if uneven := [player for player, _ in alone if is_uneven(quiet_times(player))]:
         return _rhythm("irregular", uneven[0])
     player, period = min(alone, key=lambda pair: _LEVELS.index(distance(pair[1], part.period)))
-    if not _is_right(part, period):
+    if not has_period(period, part.period):
         player, period = next((pair for pair in found if _is_steady(pair[0])), (player, period))
     return _rhythm(distance(period, part.period), player, period)
 
@@ -260,10 +260,6 @@ def _is_usable(number: float) -> bool:
 _LEVELS = ("right", "close", "off", "far")
 
 
-def _is_right(part: Part, period: float) -> bool:
-    return has_period(period, part.period)
-
-
 def _is_other(case: Case, player: Player) -> bool:
     """Return whether a node has other parameters in its run than alone, which make its period wrong."""
     own = player.run.parameters.get(player.node)
@@ -285,4 +281,4 @@ def _is_growing(case: Case, player: Player) -> bool:
 
 def _is_steady(player: Player) -> bool:
     """Return whether all gaps between messages in a run are right."""
-    return all(_is_right(player.part, gap) for gap in gaps_of(player))
+    return all(has_period(gap, player.part.period) for gap in gaps_of(player))
