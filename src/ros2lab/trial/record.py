@@ -15,6 +15,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.python_source import PythonSource
 
 Spot = tuple[PythonSource, int, int, int, int]  # a file, the first line and column, and the last ones
+Steps = tuple[str, list[tuple[int, Spot, str]]]  # a value before, and where it was set to which others
 Value = tuple[str, str, int | None]  # an expression, what is shown of its value, and its length
 
 
@@ -97,24 +98,60 @@ class Error:
         return self.lines[-1][0].at(self.lines[-1][1]) if self.lines else ""
 
 
+@dataclass(frozen=True)
+class ListSeen:
+    """What became of a list in the calls of a callback in which it got something.
+
+    Attributes:
+        root: the callback.
+        same: in how many calls, up to the last, it ended with the very items with which it had begun; -1 if not up to the last.
+        length: how many items it had in the end.
+        kind: the type of the object that it got last.
+        held: how often it holds this one object, which it got again and again.
+        contents: how many contents that object has had.
+    """
+
+    root: Spot
+    same: int
+    length: int
+    kind: str
+    held: int
+    contents: int
+
+    def beside(self, other: ListSeen) -> ListSeen:
+        """Return it with what another run noted of it."""
+        first = max(self, other, key=lambda seen: (seen.held, seen.same))
+        same = -1 if -1 in (self.same, other.same) else max(self.same, other.same)
+        return replace(first, same=same)
+
+
 class Record:
     """What was noted in all runs.
 
     Attributes:
         marks: how often a statement came to its end, or an exit such as `return` was reached, a function was called,
             the body of a `for` or a `case` was entered.
+        sources: the files of the workspace.
         classes: where the classes of the objects are written.
+        paths: for each callback, and each name that ended in each call of it as it had begun: the value before, and the
+            line in the callback, the place and the value each time that it was set; and in how many calls.
+        lists: what became of a list that got something, by the place of that.
     """
 
     def __init__(self, folder: Path, look: Look) -> None:
-        sources = [source for package in look.packages for source in look.sources(package).sources.values()]
-        self._by_text = {source.text: source for source in sources if source.path}
+        self.sources = [
+            source for package in look.packages for source in look.sources(package).sources.values()
+        ]
+        self._by_text = {source.text: source for source in self.sources if source.path}
         self._by_path: dict[str, PythonSource | None] = {}
         self.tests: dict[Spot, Test] = {}
         self.marks = defaultdict[Spot, int](int)
         self.loops = defaultdict[Spot, list[Any]](list)
         self.errors: list[Error] = []
         self.classes: set[tuple[PythonSource, int]] = set()
+        self.paths = defaultdict[tuple[Spot, str], list[tuple[Steps, int]]](list)
+        self.lists: dict[Spot, ListSeen] = {}
+        self._changed = set[tuple[Spot, str]]()
         for file in sorted((folder / "noted").glob("*.json")):
             told = None
             with contextlib.suppress(OSError, ValueError):  # of a program that was killed while it wrote
@@ -154,6 +191,23 @@ class Record:
             else:
                 self.errors[known] = replace(self.errors[known], count=self.errors[known].count + count)
         self.classes |= {*self._classes(told["classes"])}
+        self._read_changes(told)
+
+    def _read_changes(self, told: Mapping[str, Any]) -> None:
+        for key, name, paths in told["paths"]:
+            if root := self._spot(key):
+                self._changed |= set() if paths else {(root, name)}
+                for (before, *steps), count in paths:
+                    taken = [
+                        (line, spot, value) for line, place, value in steps if (spot := self._spot(place))
+                    ]
+                    self.paths[root, name].append(((before, taken), count))
+        for root_and_name in self._changed:
+            self.paths.pop(root_and_name, None)
+        for key, root_key, *numbers in told["lists"]:
+            if (place := self._spot(key)) and (root := self._spot(root_key)):
+                seen = ListSeen(root, *numbers)
+                self.lists[place] = seen.beside(self.lists[place]) if place in self.lists else seen
 
     def _spots(self, told: Mapping[str, Any]) -> Iterator[tuple[Spot, Any]]:
         return ((place, found) for key, found in told.items() if (place := self._spot(key)))

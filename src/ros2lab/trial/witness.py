@@ -2,8 +2,8 @@
 
 Programs import it as `sitecustomize`. At exit each process writes a file: for each test, how often it was true and
 false and what was compared; for each statement, how often it came to its end, and for each function how often it was
-called, on objects of which classes; for each loop, how many iterations it had each time; and which exceptions were
-caught or ended the program, with the values in the line that failed. Nothing else changes.
+called, on objects of which classes; for each loop, how many iterations it had each time; which exceptions were
+caught or ended the program, with the values in the line that failed; and what `changes` notes. Nothing else changes.
 """
 
 # Every program imports it first, so it must not import pathlib.
@@ -13,6 +13,7 @@ import ast
 import atexit
 import builtins
 import contextlib
+import importlib
 import importlib.machinery
 import itertools
 import json
@@ -27,7 +28,7 @@ from typing import Any
 
 WATCHED = "ROS2LAB_WITNESS"  # holds the folder for the notes, and the folders of the files to watch
 _TESTS, _LOOPS, _MARKS = "ros2lab_tests", "ros2lab_loops", "ros2lab_marks"
-_OBJECTS, _CAUGHT = "ros2lab_objects", "ros2lab_caught"
+_OBJECTS, _CAUGHT, _CHANGES = "ros2lab_objects", "ros2lab_caught", "ros2lab_changes"
 _EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
 _DEFINED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _LONGEST, _LONGEST_MESSAGE, _MOST_TIMES, _MOST_ERRORS, _MOST_VALUES, _FIRST = 60, 200, 1000, 50, 12, 4
@@ -167,8 +168,8 @@ def is_marked(node: ast.AST) -> bool:
 class _Noting(ast.NodeTransformer):
     """Instruments each test, each loop, each function, each `except` and each statement of a file."""
 
-    def __init__(self, path: str) -> None:
-        self.path = path
+    def __init__(self, path: str, tree: ast.Module, changes: Any) -> None:
+        self.path, self.changes = path, changes.Noting(tree, self._key)
         self.tests: dict[str, _Test] = {}
         self.loops: dict[str, _Loop] = {}
         self.marks: dict[str, Callable[[], int]] = {}
@@ -196,10 +197,12 @@ class _Noting(ast.NodeTransformer):
             node.body.insert(place, self._mark(node, first))
             if given := [*node.args.posonlyargs, *node.args.args][:1]:  # of a method, the object
                 node.body.insert(place, self._noting(_OBJECTS, first, ast.Name(given[0].arg, ast.Load())))
+            node.body[place:place] = self._beside(first, self.changes.entered(node))
         if not is_marked(node):
             return node
         mark = self._mark(node, node)  # type: ignore[arg-type]
-        return [mark, node] if isinstance(node, _EXITS) else [node, mark]
+        after = self._beside(node, self.changes.after(node))
+        return [mark, node] if isinstance(node, _EXITS) else [node, mark, *after]
 
     def _condition(self, test: ast.expr) -> ast.expr:
         match test:
@@ -237,6 +240,9 @@ class _Noting(ast.NodeTransformer):
         self.marks[key] = itertools.count().__next__
         found = ast.Subscript(ast.Name(_MARKS, ast.Load()), ast.Constant(key), ast.Load())
         return ast.copy_location(ast.Expr(ast.Call(found, [], [])), beside)
+
+    def _beside(self, node: ast.AST, calls: Iterable[ast.expr]) -> list[ast.stmt]:
+        return [ast.copy_location(ast.Expr(call), node) for call in calls]
 
     def _noting(self, name: str, beside: ast.stmt, given: ast.expr) -> ast.stmt:
         return ast.copy_location(ast.Expr(ast.Call(ast.Name(name, ast.Load()), [given], [])), beside)
@@ -368,7 +374,7 @@ def _file_of(kind: type) -> str:
     return os.path.realpath(getattr(sys.modules.get(kind.__module__), "__file__", None) or "")
 
 
-def _watch(folders: tuple[str, ...], watched: Callable[[_Noting], None]) -> None:
+def _watch(folders: tuple[str, ...], changes: Any, watched: Callable[[_Noting], None]) -> None:
     """Instrument the files in some folders when they are imported."""
     loader = importlib.machinery.SourceFileLoader
     plain = loader.get_code
@@ -378,9 +384,11 @@ def _watch(folders: tuple[str, ...], watched: Callable[[_Noting], None]) -> None
         if not path.startswith(folders):
             return plain(self, name)
         try:
-            noting = _Noting(path)
-            tree = ast.fix_missing_locations(noting.visit(ast.parse(self.get_data(path), path)))
-            code: CodeType = compile(tree, path, "exec", dont_inherit=True)
+            tree = ast.parse(self.get_data(path), path)
+            noting = _Noting(path, tree, changes)
+            code: CodeType = compile(
+                ast.fix_missing_locations(noting.visit(tree)), path, "exec", dont_inherit=True
+            )
         except Exception:
             return plain(self, name)
         watched(noting)  # a file that cannot be instrumented is left as it is
@@ -399,6 +407,8 @@ def _begin() -> None:
     kinds: dict[int, type] = {}
     paths: dict[str, None] = {}
     errors = _Errors(paths)
+    changes = importlib.import_module(_CHANGES)  # a file beside this one
+    noted = changes.Changes(paths)
 
     def note_object(found: object) -> None:
         kinds[id(type(found))] = type(found)
@@ -409,8 +419,8 @@ def _begin() -> None:
         marks.update(noting.marks)
         paths[noting.path] = None
 
-    holders = (tests, loops, marks, note_object, errors.caught)
-    for name, holder in zip((_TESTS, _LOOPS, _MARKS, _OBJECTS, _CAUGHT), holders, strict=True):
+    holders = (tests, loops, marks, note_object, errors.caught, noted)
+    for name, holder in zip((_TESTS, _LOOPS, _MARKS, _OBJECTS, _CAUGHT, _CHANGES), holders, strict=True):
         setattr(builtins, name, holder)
 
     def write() -> None:
@@ -425,12 +435,13 @@ def _begin() -> None:
             "errors": [*errors.found.values()],
             "classes": [(_file_of(kind), kind.__qualname__) for kind in kinds.values()],
             "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
+            **noted.told(),
         }
         with open(os.path.join(folder, f"{os.getpid()}.json"), "w", encoding="utf-8") as file:
             json.dump(told, file)
 
     atexit.register(write)
-    _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), watched)
+    _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), changes, watched)
 
 
 def _make_room() -> None:

@@ -19,8 +19,10 @@ from ros2lab.diagnose.printed.spots import spot_at
 from ros2lab.diagnose.sources.one_run import is_always_reached
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.spelling import with_article
+from ros2lab.trial.changes import NAME as CHANGES
 from ros2lab.trial.held_back import swallowed
 from ros2lab.trial.record import Record, Spot, Test, node_at
+from ros2lab.trial.undone import undone_faults
 from ros2lab.trial.unreached import Unreached
 from ros2lab.trial.witness import WATCHED
 
@@ -44,7 +46,8 @@ def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, st
     home, noted = folder / "witness", folder / "noted"
     for inner_folder in (home, noted):
         inner_folder.mkdir()
-    shutil.copyfile(Path(__file__).with_name("witness.py"), home / "sitecustomize.py")
+    for name, module in (("witness", "sitecustomize"), ("changes", CHANGES)):
+        shutil.copyfile(Path(__file__).with_name(f"{name}.py"), home / f"{module}.py")
     path = os.pathsep.join(filter(None, (str(home), own.get("PYTHONPATH", ""))))
     folders = (noted, root / "src", root / "install", root / "build")
     return {"PYTHONPATH": path, WATCHED: os.pathsep.join(map(str, folders))}
@@ -97,7 +100,7 @@ def witnessed(folder: Path, look: Look) -> Witnessed:
     called = record.classes | {(source, node.lineno) for source, node in record.marked(Function)}
     done = {source.at(node) for source, node in record.marked(_SIMPLE)}
     return Witnessed(
-        [*_cut_short(record.loops), *near, *(finding for finding, _ in hidden)],
+        [*_cut_short(record.loops), *near, *undone_faults(record), *(finding for finding, _ in hidden)],
         changed[:MOST],
         steady[:MOST],
         frozenset(called),

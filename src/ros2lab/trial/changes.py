@@ -1,0 +1,324 @@
+"""Notes what attributes, variables and lists go through in each call of a callback; imports nothing of ros2lab.
+
+`witness` has it beside it in a running program. A call begins when what is not watched, such as an executor, calls a
+function of a watched file, and ends when the next one begins in the same thread.
+"""
+
+import ast
+import contextlib
+import enum
+import sys
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Sequence
+from threading import get_ident
+from types import CodeType, FrameType
+from typing import Any
+
+NAME = "ros2lab_changes"  # of this module, and of what is called, in a running program
+ADDS = {"append": -1, "appendleft": 0}  # the place of what is added
+_MOST, _LONGEST_PATH, _MOST_PATHS, _MOST_ITEMS, _MOST_PRINTS = 2000, 8, 12, 300, 6
+_DEEPEST, _LONGEST, _LONGEST_PRINT = 8, 60, 4000
+_PLAIN = frozenset((int, float, bool, str, bytes, type(None)))
+_MISSING = object()
+
+
+class Call:
+    """A call of a callback that goes on: its function, what was set in it, and the lists that got something in it."""
+
+    def __init__(self, root: str, code: CodeType) -> None:
+        self.root, self.code = root, code
+        self.paths: dict[
+            tuple[int, str], list[Any]
+        ] = {}  # the value before, then the line, the place and the value
+        self.lists: dict[str, tuple[Any, tuple[Any, ...], bool]] = {}
+
+
+class Added:
+    """What became of a list in the calls in which it got something at one place.
+
+    Attributes:
+        same: in how many calls in a row, up to the last one, it ended with the very items with which it had begun.
+        is_disturbed: whether it changed again after that.
+        repeats: how many times in a row it was given the same object.
+        prints: the different contents of that object.
+    """
+
+    def __init__(self) -> None:
+        self.root, self.kind = "", ""
+        self.same = self.repeats = self.held = 0
+        self.is_disturbed = False
+        self.last: tuple[Any, ...] = ()
+        self.newest: Any = _MISSING
+        self.prints: set[str] = set()
+
+    def ended(self, root: str, before: tuple[Any, ...], now: Sequence[Any], *, is_new: bool) -> None:
+        items = (*now,)
+        is_same = len(before) > 0 and _are_same(before, items) and is_new
+        self.is_disturbed |= self.same > 0 and not (is_same and _are_same(self.last, before))
+        self.same += is_same
+        self.root, self.last = root, items
+        self.held = sum(item is self.newest for item in items)
+
+    def repeated(self) -> tuple[str, int, int]:
+        """Return the type of the object that it last got, how often it holds it, and how many contents that has had."""
+        return self.kind, min(self.repeats, self.held), len(self.prints)
+
+    def given(self, value: Any) -> None:
+        if type(value) in _PLAIN or isinstance(value, (enum.Enum, type, tuple, frozenset)):
+            return
+        is_again = value is self.newest
+        self.repeats = self.repeats + 1 if is_again else 1
+        self.newest, self.kind = value, type(value).__name__
+        if not is_again:
+            self.prints.clear()
+        if len(self.prints) < _MOST_PRINTS > self.repeats - len(self.prints):
+            self.prints.add(_print(value))
+
+
+class Changes:
+    """What was noted in all calls.
+
+    Args:
+        paths: the watched files.
+    """
+
+    def __init__(self, paths: Any) -> None:
+        self.files = paths
+        self.calls: dict[int, Call] = {}
+        self.left: Counter[str] = Counter()  # how often a place was noted
+        self.known: dict[tuple[int, str], Any] = {}
+        self.closed: set[str] = set()  # the names that were set too often
+        self.found: dict[tuple[str, str], Counter[Any]] = {}
+        self.added: dict[str, Added] = {}
+
+    def begun(self, root: str) -> None:
+        """Note that a function is entered that may be a callback."""
+        frame = sys._getframe(1)
+        around = frame.f_back
+        while around is not None and around.f_code.co_name == "<lambda>":
+            around = around.f_back
+        if around is None or around.f_code.co_filename not in self.files:
+            thread = get_ident()
+            if call := self.calls.get(thread):
+                self.end(call)
+            self.calls[thread] = Call(root, frame.f_code)
+
+    def set_(self, place: str, owner: Any, name: str, key: Any = _MISSING) -> None:
+        """Note that an attribute or a variable was set, or a key of it."""
+        if self.left[place] >= _MOST:
+            self.closed.add(name)
+            return
+        self.left[place] += 1
+        value = _held(owner, (name,))
+        if key is not _MISSING:
+            value = value.get(key, _MISSING) if type(value) is dict else _MISSING
+            name = f"{name}[{key!r}]"
+        value = _kept(value)
+        known = id(owner), name
+        before, self.known[known] = self.known.get(known, _MISSING), value
+        if (call := self.calls.get(get_ident())) and (line := _line_in(call, sys._getframe(1))):
+            path = call.paths.setdefault(known, [before])
+            if len(path) <= _LONGEST_PATH + 1:
+                path.append((line, place, value))
+
+    def added_to(self, place: str, owner: Any, names: tuple[str, ...], at: int) -> None:
+        """Note that a list has just got something, at one of its ends."""
+        if self.left[place] >= _MOST or (call := self.calls.get(get_ident())) is None:
+            return
+        self.left[place] += 1
+        holder = _held(owner, names)
+        is_list = (type(holder) is deque and holder.maxlen is None) or type(holder) is list
+        if not is_list or not 0 < len(holder) <= _MOST_ITEMS or not _line_in(call, sys._getframe(1)):
+            return
+        value = holder[at]
+        seen = self.added.setdefault(place, Added())
+        seen.given(value)
+        if place not in call.lists:
+            before = (*holder,)[1:] if at == 0 else (*holder,)[:-1]
+            is_new = not any(value is item or (type(value) in _PLAIN and value == item) for item in before)
+            call.lists[place] = (lambda: _held(owner, names), before, is_new)
+
+    def end(self, call: Call) -> None:
+        """Note what a call has changed in the end."""
+        for (_, name), (before, *steps) in call.paths.items():
+            if name.partition("[")[0] in self.closed:
+                continue
+            found = self.found.setdefault((call.root, name), Counter())
+            is_known = before is not _MISSING and all(value is not _MISSING for _, _, value in steps)
+            is_back = is_known and _is_same(before, steps[-1][2]) and len(steps) <= _LONGEST_PATH
+            path = (_shown(before), *((line, place, _shown(value)) for line, place, value in steps))
+            if not is_back:
+                found["changed"] += 1
+            elif any(not _is_same(before, value) for _, _, value in steps):
+                found[path if path in found or len(found) < _MOST_PATHS else "changed"] += 1
+        for place, (now, before, is_new) in call.lists.items():
+            holder = now()
+            if type(holder) in (list, deque):
+                self.added[place].ended(call.root, before, holder, is_new=is_new)
+
+    def told(self) -> dict[str, Any]:
+        """Return what was noted, as plain data: the paths that end where they began; and the lists, by their places.
+
+        If something ended elsewhere at times, its paths are empty. The calls in which a list stayed the same are -1 if
+        it changed again later.
+        """
+        for call in [*self.calls.values()]:
+            self.end(call)
+        paths = [
+            (root, name, [] if "changed" in found else [*found.items()])
+            for (root, name), found in self.found.items()
+            if found
+        ]
+        lists = [
+            (place, one.root, -1 if one.is_disturbed else one.same, len(one.last), *one.repeated())
+            for place, one in self.added.items()
+        ]
+        return {"paths": paths, "lists": lists}
+
+
+def _line_in(call: Call, frame: FrameType | None) -> int:
+    """Return the line of the callback itself that led to a frame; 0 if it did not."""
+    for _ in range(_DEEPEST):
+        if frame is None:
+            break
+        if frame.f_code is call.code:
+            return frame.f_lineno
+        frame = frame.f_back
+    return 0
+
+
+def _held(owner: Any, names: Sequence[str]) -> Any:
+    """Return what an object holds under some names, one in the other, without running code of the program."""
+    for name in names:
+        found = _MISSING
+        if type(owner) is dict:
+            found = owner.get(name, _MISSING)
+        else:
+            with contextlib.suppress(AttributeError):
+                found = object.__getattribute__(owner, "__dict__").get(name, _MISSING)
+            if found is _MISSING and hasattr(type(owner), "get_fields_and_field_types"):
+                found = object.__getattribute__(owner, f"_{name}")
+        owner = found
+    return owner
+
+
+def _kept(value: Any) -> Any:
+    kind = type(value)
+    return value if kind in _PLAIN or isinstance(value, enum.Enum) else _MISSING
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, enum.Enum):
+        return f"{type(value).__name__}.{value.name}"
+    return repr(value)[:_LONGEST]
+
+
+def _is_same(value: Any, other: Any) -> bool:
+    return value is other or (type(value) is type(other) and type(value) in _PLAIN and bool(value == other))
+
+
+def _are_same(items: Sequence[Any], others: Sequence[Any]) -> bool:
+    return len(items) == len(others) and all(map(_is_same, items, others))
+
+
+def _print(value: Any) -> str:
+    """Return the contents of a message, a list or a dict; of another object, what it holds itself."""
+    with contextlib.suppress(Exception):
+        if type(value) in (list, dict, set, deque) or hasattr(type(value), "get_fields_and_field_types"):
+            return repr(value)[:_LONGEST_PRINT]
+        return str({name: item for name, item in vars(value).items() if type(item) in _PLAIN})[
+            :_LONGEST_PRINT
+        ]
+    return ""
+
+
+class Noting:
+    """What is written into a file so that its changes are noted.
+
+    Args:
+        tree: the file.
+        key: names a place.
+    """
+
+    def __init__(self, tree: ast.AST, key: Callable[[Any], str]) -> None:
+        self.key = key
+        called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+        in_lambdas = [node for node in ast.walk(tree) if isinstance(node, ast.Lambda)]
+        called -= {id(node) for one in in_lambdas for node in ast.walk(one)}
+        loaded = (
+            n for n in ast.walk(tree) if isinstance(n, (ast.Name, ast.Attribute)) and id(n) not in called
+        )
+        self.named = {getattr(node, "attr", getattr(node, "id", "")) for node in loaded}
+        self.owners: dict[int, str] = {}
+        self.globals: dict[int, set[str]] = {}
+        for function in ast.walk(tree):
+            if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef)):
+                first = [*function.args.posonlyargs, *function.args.args][:1]
+                shared = {
+                    n for inner in ast.walk(function) if isinstance(inner, ast.Global) for n in inner.names
+                }
+                for inner in ast.walk(function):  # an inner function comes later
+                    self.owners[id(inner)] = first[0].arg if first else self.owners.get(id(inner), "")
+                    self.globals[id(inner)] = shared
+
+    def entered(self, function: Any) -> Iterator[ast.expr]:
+        """Yield a call at the beginning of a function that may be a callback."""
+        if function.name in self.named or function.name.startswith("on_"):
+            yield _call("begun", ast.Constant(self.key(function)))
+
+    def after(self, node: ast.AST) -> Iterator[ast.expr]:
+        """Yield calls after a statement that sets something, or that adds something to a list."""
+        own = self.owners.get(id(node), "")
+        place = ast.Constant(self.key(node)) if own or id(node) in self.globals else None
+        match node:
+            case ast.Assign(targets=targets):
+                pass
+            case ast.AugAssign(target=target) | ast.AnnAssign(target=target, value=ast.expr()):
+                targets = [target]
+            case ast.Expr(value=ast.Call(func=ast.Attribute(value=holder, attr=name), args=args)) if place:
+                at = ADDS.get(name, 0 if name == "insert" and _is_zero(args[:1]) else None)
+                owner, *names = _names(holder) or [""]
+                if at is not None and owner and (owner == own or id(node) in self.globals):
+                    found = _owner_of(owner) if names else _call_of("globals")
+                    path = ast.Tuple([*map(ast.Constant, names or [owner])], ast.Load())
+                    yield _call("added_to", place, found, path, ast.Constant(at))
+                return
+            case _:
+                return
+        for target in targets if place else ():
+            yield from self._set(node, place, own, target)
+
+    def _set(self, node: ast.AST, place: Any, own: str, target: ast.expr) -> Iterator[ast.expr]:
+        key = list[ast.expr]()
+        if isinstance(target, ast.Subscript) and isinstance(target.slice, ast.Constant):
+            target, key = target.value, [target.slice]
+        match target:
+            case ast.Attribute(value=ast.Name(id=owner), attr=name) if owner == own:
+                yield _call("set_", place, _owner_of(owner), ast.Constant(name), *key)
+            case ast.Name(id=name) if name in self.globals.get(id(node), ()):
+                yield _call("set_", place, _call_of("globals"), ast.Constant(name), *key)
+
+
+def _names(node: ast.expr) -> list[str]:
+    """Return the parts of a dotted name; empty for anything else."""
+    names = list[str]()
+    while isinstance(node, ast.Attribute):
+        names.insert(0, node.attr)
+        node = node.value
+    return [node.id, *names] if isinstance(node, ast.Name) else []
+
+
+def _is_zero(args: Sequence[ast.expr]) -> bool:
+    return any(isinstance(arg, ast.Constant) and arg.value == 0 for arg in args)
+
+
+def _owner_of(name: str) -> ast.expr:
+    return ast.Name(name, ast.Load())
+
+
+def _call_of(name: str) -> ast.expr:
+    return ast.Call(ast.Name(name, ast.Load()), [], [])
+
+
+def _call(method: str, *given: ast.expr) -> ast.expr:
+    return ast.Call(ast.Attribute(ast.Name(NAME, ast.Load()), method, ast.Load()), [*given], [])
