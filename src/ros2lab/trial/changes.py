@@ -10,6 +10,7 @@ import enum
 import sys
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from threading import get_ident
 from types import CodeType, FrameType
 from typing import Any
@@ -85,14 +86,17 @@ class Changes:
     def __init__(self, paths: Any) -> None:
         self.files = paths
         self.calls: dict[int, Call] = {}
-        self.left: Counter[str] = Counter()  # how often a place was noted
+        self.notes: dict[str, Callable[[Any], Any]] = {}  # what is called at each place, with the owner
+        self.left: Counter[str] = Counter()  # how often that was
         self.known: dict[tuple[int, str], Any] = {}
         self.closed: set[str] = set()  # the names that were set too often
         self.found: dict[tuple[str, str], Counter[Any]] = {}
         self.added: dict[str, Added] = {}
 
-    def begun(self, root: str) -> None:
+    def begun(self, place: str, _: Any) -> None:
         """Note that a function is entered that may be a callback."""
+        if self._is_over(place):
+            self.notes.update(dict.fromkeys(self.notes, id))  # nothing is noted any more
         frame = sys._getframe(1)
         around = frame.f_back
         while around is not None and around.f_code.co_name == "<lambda>":
@@ -101,14 +105,18 @@ class Changes:
             thread = get_ident()
             if call := self.calls.get(thread):
                 self.end(call)
-            self.calls[thread] = Call(root, frame.f_code)
+            self.calls[thread] = Call(place, frame.f_code)
 
-    def set_(self, place: str, owner: Any, name: str, key: Any = _MISSING) -> None:
-        """Note that an attribute or a variable was set, or a key of it."""
-        if self.left[place] >= _MOST:
-            self.closed.add(name)
-            return
+    def _is_over(self, place: str) -> bool:
+        """Return whether a place was noted so often that it is not noted again."""
         self.left[place] += 1
+        return self.left[place] >= _MOST
+
+    def set_(self, place: str, name: str, key: Any, owner: Any) -> None:
+        """Note that an attribute or a variable was set, or a key of it."""
+        if self._is_over(f"{place}:{name}"):
+            self.closed.add(name)
+            self.notes[f"{place}:{name}"] = id
         value = _held(owner, (name,))
         if key is not _MISSING:
             value = value.get(key, _MISSING) if type(value) is dict else _MISSING
@@ -121,11 +129,12 @@ class Changes:
             if len(path) <= _LONGEST_PATH + 1:
                 path.append((line, place, value))
 
-    def added_to(self, place: str, owner: Any, names: tuple[str, ...], at: int) -> None:
+    def added_to(self, place: str, names: Sequence[str], at: int, owner: Any) -> None:
         """Note that a list has just got something, at one of its ends."""
-        if self.left[place] >= _MOST or (call := self.calls.get(get_ident())) is None:
+        if self._is_over(f"{place}:"):
+            self.notes[f"{place}:"] = id
+        if (call := self.calls.get(get_ident())) is None:
             return
-        self.left[place] += 1
         holder = _held(owner, names)
         is_list = (type(holder) is deque and holder.maxlen is None) or type(holder) is list
         if not is_list or not 0 < len(holder) <= _MOST_ITEMS or not _line_in(call, sys._getframe(1)):
@@ -238,65 +247,70 @@ class Noting:
     Args:
         tree: the file.
         key: names a place.
+        changes: what notes them.
     """
 
-    def __init__(self, tree: ast.AST, key: Callable[[Any], str]) -> None:
-        self.key = key
+    def __init__(self, tree: ast.AST, key: Callable[[Any], str], changes: Changes) -> None:
+        self.key, self.changes = key, changes
         called = {id(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
         in_lambdas = [node for node in ast.walk(tree) if isinstance(node, ast.Lambda)]
         called -= {id(node) for one in in_lambdas for node in ast.walk(one)}
-        loaded = (
-            n for n in ast.walk(tree) if isinstance(n, (ast.Name, ast.Attribute)) and id(n) not in called
-        )
-        self.named = {getattr(node, "attr", getattr(node, "id", "")) for node in loaded}
+        names = (node for node in ast.walk(tree) if isinstance(node, (ast.Name, ast.Attribute)))
+        self.named = {getattr(n, "attr", getattr(n, "id", "")) for n in names if id(n) not in called}
         self.owners: dict[int, str] = {}
         self.globals: dict[int, set[str]] = {}
         for function in ast.walk(tree):
             if isinstance(function, (ast.FunctionDef, ast.AsyncFunctionDef)):
                 first = [*function.args.posonlyargs, *function.args.args][:1]
-                shared = {
-                    n for inner in ast.walk(function) if isinstance(inner, ast.Global) for n in inner.names
-                }
-                for inner in ast.walk(function):  # an inner function comes later
-                    self.owners[id(inner)] = first[0].arg if first else self.owners.get(id(inner), "")
-                    self.globals[id(inner)] = shared
+                inside = [*ast.walk(function)]
+                shared = {name for node in inside if isinstance(node, ast.Global) for name in node.names}
+                for node in inside:  # an inner function comes later
+                    self.owners[id(node)] = first[0].arg if first else self.owners.get(id(node), "")
+                    self.globals[id(node)] = shared
 
     def entered(self, function: Any) -> Iterator[ast.expr]:
         """Yield a call at the beginning of a function that may be a callback."""
         if function.name in self.named or function.name.startswith("on_"):
-            yield _call("begun", ast.Constant(self.key(function)))
+            place = self.key(function)
+            yield self._note(place, ast.Constant(None), self.changes.begun, place)
 
     def after(self, node: ast.AST) -> Iterator[ast.expr]:
         """Yield calls after a statement that sets something, or that adds something to a list."""
-        own = self.owners.get(id(node), "")
-        place = ast.Constant(self.key(node)) if own or id(node) in self.globals else None
-        match node:
-            case ast.Assign(targets=targets):
-                pass
+        targets = list[ast.expr]()
+        match node if id(node) in self.globals else None:
+            case ast.Assign(targets=several):
+                targets = several
             case ast.AugAssign(target=target) | ast.AnnAssign(target=target, value=ast.expr()):
                 targets = [target]
-            case ast.Expr(value=ast.Call(func=ast.Attribute(value=holder, attr=name), args=args)) if place:
+            case ast.Expr(value=ast.Call(func=ast.Attribute(value=holder, attr=name), args=args)):
                 at = ADDS.get(name, 0 if name == "insert" and _is_zero(args[:1]) else None)
                 owner, *names = _names(holder) or [""]
-                if at is not None and owner and (owner == own or id(node) in self.globals):
-                    found = _owner_of(owner) if names else _call_of("globals")
-                    path = ast.Tuple([*map(ast.Constant, names or [owner])], ast.Load())
-                    yield _call("added_to", place, found, path, ast.Constant(at))
-                return
+                if at is not None and owner:
+                    found: ast.expr = ast.Name(owner, ast.Load()) if names else _globals()
+                    place = self.key(node)
+                    yield self._note(f"{place}:", found, self.changes.added_to, place, names or [owner], at)
+        for target in targets:
+            yield from self._set(node, target)
+
+    def _set(self, node: ast.AST, target: ast.expr) -> Iterator[ast.expr]:
+        key: Any = _MISSING
+        if isinstance(target, ast.Subscript) and isinstance(target.slice, ast.Constant):
+            target, key = target.value, target.slice.value
+        match target:
+            case ast.Attribute(value=ast.Name(id=owner), attr=name) if owner == self.owners[id(node)]:
+                found: ast.expr = ast.Name(owner, ast.Load())
+            case ast.Name(id=name) if name in self.globals[id(node)]:
+                found = _globals()
             case _:
                 return
-        for target in targets if place else ():
-            yield from self._set(node, place, own, target)
+        place = self.key(node)
+        yield self._note(f"{place}:{name}", found, self.changes.set_, place, name, key)
 
-    def _set(self, node: ast.AST, place: Any, own: str, target: ast.expr) -> Iterator[ast.expr]:
-        key = list[ast.expr]()
-        if isinstance(target, ast.Subscript) and isinstance(target.slice, ast.Constant):
-            target, key = target.value, [target.slice]
-        match target:
-            case ast.Attribute(value=ast.Name(id=owner), attr=name) if owner == own:
-                yield _call("set_", place, _owner_of(owner), ast.Constant(name), *key)
-            case ast.Name(id=name) if name in self.globals.get(id(node), ()):
-                yield _call("set_", place, _call_of("globals"), ast.Constant(name), *key)
+    def _note(self, key: str, owner: ast.expr, method: Callable[..., None], *given: Any) -> ast.expr:
+        """Return a call that notes something of an owner."""
+        self.changes.notes[key] = partial(method, *given)
+        found = ast.Subscript(ast.Name(NAME, ast.Load()), ast.Constant(key), ast.Load())
+        return ast.Call(found, [owner], [])
 
 
 def _names(node: ast.expr) -> list[str]:
@@ -312,13 +326,5 @@ def _is_zero(args: Sequence[ast.expr]) -> bool:
     return any(isinstance(arg, ast.Constant) and arg.value == 0 for arg in args)
 
 
-def _owner_of(name: str) -> ast.expr:
-    return ast.Name(name, ast.Load())
-
-
-def _call_of(name: str) -> ast.expr:
-    return ast.Call(ast.Name(name, ast.Load()), [], [])
-
-
-def _call(method: str, *given: ast.expr) -> ast.expr:
-    return ast.Call(ast.Attribute(ast.Name(NAME, ast.Load()), method, ast.Load()), [*given], [])
+def _globals() -> ast.expr:
+    return ast.Call(ast.Name("globals", ast.Load()), [], [])

@@ -13,6 +13,7 @@ import ast
 import atexit
 import builtins
 import contextlib
+import functools
 import importlib
 import importlib.machinery
 import itertools
@@ -168,8 +169,8 @@ def is_marked(node: ast.AST) -> bool:
 class _Noting(ast.NodeTransformer):
     """Instruments each test, each loop, each function, each `except` and each statement of a file."""
 
-    def __init__(self, path: str, tree: ast.Module, changes: Any) -> None:
-        self.path, self.changes = path, changes.Noting(tree, self._key)
+    def __init__(self, path: str, tree: ast.Module, noting: Callable[..., Any]) -> None:
+        self.path, self.changes = path, noting(tree, self._key)
         self.tests: dict[str, _Test] = {}
         self.loops: dict[str, _Loop] = {}
         self.marks: dict[str, Callable[[], int]] = {}
@@ -374,7 +375,7 @@ def _file_of(kind: type) -> str:
     return os.path.realpath(getattr(sys.modules.get(kind.__module__), "__file__", None) or "")
 
 
-def _watch(folders: tuple[str, ...], changes: Any, watched: Callable[[_Noting], None]) -> None:
+def _watch(folders: tuple[str, ...], changes: Callable[..., Any], watched: Callable[[_Noting], None]) -> None:
     """Instrument the files in some folders when they are imported."""
     loader = importlib.machinery.SourceFileLoader
     plain = loader.get_code
@@ -409,6 +410,7 @@ def _begin() -> None:
     errors = _Errors(paths)
     changes = importlib.import_module(_CHANGES)  # a file beside this one
     noted = changes.Changes(paths)
+    noting_changes = functools.partial(changes.Noting, changes=noted)
 
     def note_object(found: object) -> None:
         kinds[id(type(found))] = type(found)
@@ -419,7 +421,7 @@ def _begin() -> None:
         marks.update(noting.marks)
         paths[noting.path] = None
 
-    holders = (tests, loops, marks, note_object, errors.caught, noted)
+    holders = (tests, loops, marks, note_object, errors.caught, noted.notes)
     for name, holder in zip((_TESTS, _LOOPS, _MARKS, _OBJECTS, _CAUGHT, _CHANGES), holders, strict=True):
         setattr(builtins, name, holder)
 
@@ -441,7 +443,7 @@ def _begin() -> None:
             json.dump(told, file)
 
     atexit.register(write)
-    _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), changes, watched)
+    _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), noting_changes, watched)
 
 
 def _make_room() -> None:
