@@ -53,6 +53,14 @@ class Added:
         self.prints: set[str] = set()
 
     def ended(self, root: str, before: tuple[Any, ...], now: Sequence[Any], *, is_new: bool) -> None:
+        """Note what a call has left of a list.
+
+        Args:
+            root: the callback.
+            before: the items with which the call began.
+            now: those with which it ended.
+            is_new: whether what was added was not among them.
+        """
         items = (*now,)
         is_same = len(before) > 0 and _are_same(before, items) and is_new
         self.is_disturbed |= self.same > 0 and not (is_same and _are_same(self.last, before))
@@ -65,6 +73,7 @@ class Added:
         return self.kind, min(self.repeats, self.held), len(self.prints)
 
     def given(self, value: Any) -> None:
+        """Note what was added."""
         if type(value) in _PLAIN or isinstance(value, (enum.Enum, type, tuple, frozenset)):
             return
         is_again = value is self.newest
@@ -150,10 +159,10 @@ class Changes:
     def end(self, call: Call) -> None:
         """Note what a call has changed in the end."""
         for (_, name), (before, *steps) in call.paths.items():
-            if name.partition("[")[0] in self.closed:
+            if name.partition("[")[0] in self.closed or before is _MISSING:
                 continue
             found = self.found.setdefault((call.root, name), Counter())
-            is_known = before is not _MISSING and all(value is not _MISSING for _, _, value in steps)
+            is_known = all(value is not _MISSING for _, _, value in steps)
             is_back = is_known and _is_same(before, steps[-1][2]) and len(steps) <= _LONGEST_PATH
             path = (_shown(before), *((line, place, _shown(value)) for line, place, value in steps))
             if not is_back:

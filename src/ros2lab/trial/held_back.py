@@ -150,7 +150,8 @@ def _notes(unreached: Unreached) -> list[tuple[str, Reason]]:
                 or unreached.record.count(source, statement)
             ):
                 continue
-            if reason := unreached.why(source, statement):
+            reason = unreached.why(source, statement)
+            if reason and not reason.is_coming:
                 text = f"In {calls} calls of {function.name}(), `{shown(statement)}` was never carried out"
                 known = found.setdefault(reason.place, (rank, text, reason))
                 found[reason.place] = (rank, text, reason) if rank < known[0] else known
@@ -170,7 +171,9 @@ def _rank(source: PythonSource, node: ast.AST) -> int | None:
     targets = getattr(node, "targets", [getattr(node, "target", None)])
     if any(is_self_attribute(target) and _is_read(source, target.attr) for target in targets):
         return 2
-    return 3 if "get_logger" in called and called & (LOG_METHODS - {"debug"}) else None
+    is_log = "get_logger" in called and called & (LOG_METHODS - {"debug"})
+    is_call = isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and "get_logger" not in called
+    return 3 if is_log or is_call else None
 
 
 def _is_read(source: PythonSource, name: str) -> bool:

@@ -21,17 +21,23 @@ Value = tuple[str, str, int | None]  # an expression, what is shown of its value
 
 @dataclass(frozen=True)
 class Side:
-    """One side of a test: its last value, whether it changed, and the least and the greatest number; empty if it did not."""
+    """One side of a test: its last value, whether it changed, and the least and the greatest number; empty if it did not.
+
+    Attributes:
+        way: 1 if it was a number that only rose, -1 if it only fell.
+    """
 
     last: str
     has_changed: bool
     bounds: Sequence[str]
+    way: int
 
     def beside(self, other: Side) -> Side:
         """Return it with what another run noted of it."""
         numbers = sorted({*self.bounds, *other.bounds, *self._fixed, *other._fixed}, key=float)
         has_changed = self.has_changed or other.has_changed or self.last != other.last
-        return Side(self.last, has_changed, [numbers[0], numbers[-1]] if len(numbers) > 1 else [])
+        ways = {side.way for side in (self, other) if side.bounds}
+        return Side(self.last, has_changed, [numbers[0], numbers[-1]] if len(numbers) > 1 else [], sum(ways))
 
     @property
     def _fixed(self) -> list[str]:

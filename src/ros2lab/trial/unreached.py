@@ -37,6 +37,8 @@ class Reason:
         place: the line that decides.
         fix: what to do there; empty if that is not known.
         is_open: whether it may only not have come so far: a number has not passed a limit.
+        is_coming: whether that number only went towards the limit.
+        is_circle: whether it only comes to what it is to explain, or to what is told already.
         on_the_way: the other lines that it tells of.
     """
 
@@ -44,6 +46,8 @@ class Reason:
     place: str
     fix: str = ""
     is_open: bool = False
+    is_coming: bool = False
+    is_circle: bool = False
     on_the_way: tuple[str, ...] = ()
 
     @property
@@ -71,9 +75,13 @@ class Unreached:
 
     def __init__(self, record: Record, look: Look) -> None:
         self.record, self.look = record, look
+        self._explained: list[ast.AST | None] = []  # statements, and the tests that are told of them
 
     def why(self, source: PythonSource, statement: ast.AST | None, steps: int = STEPS) -> Reason | None:
         """Return why a statement never came to its end; None if that is not known."""
+        if steps == STEPS:
+            self._explained.clear()
+        self._explained.append(statement)
         owner, block = _around(source, statement) if steps > 0 else (None, ())
         for place, inner in enumerate(filter(is_marked, block)):
             if not self.record.count(source, inner):
@@ -198,14 +206,17 @@ class Unreached:
                 return self._constant(source, inner, not wanted, steps)
             case ast.BoolOp(op=sign, values=values):
                 needs_all = isinstance(sign, ast.And) is wanted
-                reasons = [self._constant(source, value, wanted, steps) for value in values]
-                parts = [*filter(None, reasons)]
-                if parts and needs_all:
-                    place = reasons.index(parts[0])
-                    return parts[0].only_if(values[place - 1], str(wanted).lower()) if place else parts[0]
+                parts = list[Reason]()
+                for place, value in enumerate(values):
+                    if (reason := self._constant(source, value, wanted, steps)) is None:
+                        continue
+                    if needs_all and not reason.is_circle:
+                        return reason.only_if(values[place - 1], str(wanted).lower()) if place else reason
+                    parts.append(reason)
                 text = f"`{ast.unparse(test)}` was {_truth(wanted)} in {_checks(sum(outcomes))}"
-                if len(parts) == len(values):
-                    return replace(parts[0], text=" and ".join(part.text for part in parts))
+                if len(parts) == (1 if needs_all else len(values)):
+                    told = [part for part in parts if not part.is_circle] or parts[:1]
+                    return replace(told[0], text=" and ".join(part.text for part in told))
                 return Reason(
                     f"{text}{', although each part of it was at times' * needs_all}", source.at(test)
                 )
@@ -224,11 +235,17 @@ class Unreached:
         fix = f"see whether `{ast.unparse(test)}` can be {str(wanted).lower()} at all, and what should change it"
         is_order = isinstance(test, ast.Compare) and isinstance(test.ops[0], _ORDERS)
         is_open = is_order and any(side.bounds for side in found.sides)
-        for _, part, side in pairs:
-            is_kept = is_self_attribute(part) and not side.has_changed and _is_plain(side.last)
-            if is_kept and (further := self._unset(source, part, side.last, steps - 1)):
+        is_coming = isinstance(test, ast.Compare) and is_open and _is_coming(test.ops[0], found.sides, wanted)
+        is_known, has_changed = test in self._explained, any(side.has_changed for side in found.sides)
+        self._explained.append(test)
+        for _, part, side in pairs if not has_changed and not is_known else ():
+            if not is_self_attribute(part) or not _is_plain(side.last):
+                continue
+            if further := self._unset(source, part, side.last, steps - 1):
+                if further.is_circle:
+                    return Reason(text, source.at(test), fix, is_circle=True)
                 return further.after(f"{text}, and ", source.at(test))
-        return Reason(text, source.at(test), fix, is_open)
+        return Reason(text, source.at(test), fix, is_open, is_coming, is_known)
 
     def _unset(self, source: PythonSource, attribute: Any, value: str, steps: int) -> Reason | None:
         """Return why an attribute of self kept a value: where it would have been set to another one, and why it was not."""
@@ -236,15 +253,19 @@ class Unreached:
             self._stores(attribute.attr, value) if steps > 0 and not self._sets_by_name else ([], [])
         )
         name, reached = ast.unparse(attribute), any(self.record.count(*store) for store in others)
+        if any(node in self._explained for _, node in others):
+            return Reason("", source.at(attribute), is_circle=True)
         again = [store for store in same if self.record.count(*store) and _name_around(*store) != "__init__"]
         if reached and len(again) == 1:
             ((home, node),) = again
+            text = f"line {node.lineno} set it to {value} {times(self.record.count(home, node))}"
             fix = f"look at line {node.lineno}: it sets {name} to {value} again each time"
-            found = Reason(
-                f"line {node.lineno} set it to {value} {times(self.record.count(home, node))}",
-                home.at(node),
-                fix,
-            )
+            if later := self._only_later(source, attribute, home, node, others):
+                text = (
+                    f"{text}, and {later}() changes it only after {_name_around(home, node)}() has returned"
+                )
+                fix = f"do in {later}() what needs {name}, or ask for {name} at the next call, above line {node.lineno}"
+            found = Reason(text, home.at(node), fix)
         elif len(others) == 1 and reached:
             ((home, node),) = others
             found = Reason(f"line {node.lineno} sets it: `{shown(node)}`", home.at(node))
@@ -261,6 +282,26 @@ class Unreached:
         else:
             return self._never_set(source, attribute) if same and not others else None
         return found
+
+    def _only_later(
+        self,
+        source: PythonSource,
+        asked: ast.AST,
+        home: PythonSource,
+        node: ast.stmt,
+        others: Sequence[_Store],
+    ) -> str:
+        """Return the other callback that alone changes what a statement has set above, in the call that asks for it."""
+        function = source.function_at(getattr(asked, "lineno", 0))
+        is_above = home is source and node in own_nodes(function or source.tree)
+        callbacks = {f for package in self.look.packages for _, f in self.look.sources(package).callbacks()}
+        threads = "MultiThreadedExecutor", "Thread"
+        is_alone = not any(word in file.text for file in self.look.files for word in threads)
+        setting = {file.function_at(one.lineno) for file, one in others if self.record.count(file, one)}
+        found = setting.pop() if len(setting) == 1 else None
+        is_later = found is not None and found in callbacks and found is not function
+        is_later &= function in callbacks and is_above and node.lineno < getattr(asked, "lineno", 0)
+        return getattr(found, "name", "") if is_later and is_alone else ""
 
     def _stores(self, name: str, value: str) -> tuple[list[_Store], list[_Store]]:
         """Return the statements that set an attribute: to a constant with this value, and to anything else."""
@@ -382,6 +423,14 @@ def _of_side(text: str, side: Side) -> str:
         least, most = (f"{float(bound):.6g}" for bound in side.bounds)
         return f"{text} was between {least} and {most}"
     return f"{text} was {side.last} {'the last' if side.has_changed else 'each'} time"
+
+
+def _is_coming(sign: ast.cmpop, sides: Sequence[Side], wanted: bool) -> bool:
+    """Return whether a side of an order only went towards the other one."""
+    rises = isinstance(sign, (ast.Gt, ast.GtE)) is wanted
+    return any(
+        side.way == (1 if is_up else -1) for side, is_up in zip(sides, (rises, not rises), strict=False)
+    )
 
 
 def _is_plain(value: str) -> bool:

@@ -67,13 +67,13 @@ def _shown(value: object) -> str:
 
 
 class _Side:
-    """One side of a test: its last value, or words for what may change; the bounds of a number; and whether it changed."""
+    """One side of a test: its last value, or words for what may change; whether it changed; the bounds of a number, and its ways."""
 
     def __init__(self) -> None:
         self.last: Any = self  # no value yet
         self.low: Any = None
         self.high: Any = None
-        self.has_changed = False
+        self.has_changed = self.rose = self.fell = False
 
     def note(self, value: Any) -> None:
         kind, last = type(value), self.last
@@ -82,10 +82,14 @@ class _Side:
         elif value is last:
             return
         elif kind in _NUMBERS and value == value:  # noqa: PLR0124 -- a NaN is not, and has no bounds
-            if self.low is None or value < self.low:
-                self.low = value
-            if self.high is None or value > self.high:
-                self.high = value
+            if self.low is None:
+                self.low = self.high = value
+            elif type(last) not in _NUMBERS:
+                self.rose = self.fell = True
+            elif value < last:
+                self.fell, self.low = True, min(value, self.low)
+            elif value > last:
+                self.rose, self.high = True, max(value, self.high)
         elif kind is str or kind is bytes:
             value = value[:_LONGEST]
         if last is not self and not self.has_changed:
@@ -95,7 +99,7 @@ class _Side:
     def told(self) -> list[Any]:
         last = self.last if isinstance(self.last, _Words) else _shown(self.last)
         bounds = [_shown(self.low), _shown(self.high)] if self.low != self.high else []
-        return ["" if self.last is self else last, self.has_changed, bounds]
+        return ["" if self.last is self else last, self.has_changed, bounds, self.rose - self.fell]
 
 
 class _Test:
