@@ -301,11 +301,10 @@ class Noting:
         for target in targets:
             yield from self._set(node, target)
 
-    def _set(self, node: ast.AST, target: ast.expr) -> Iterator[ast.expr]:
-        key: Any = _MISSING
-        if isinstance(target, ast.Subscript) and isinstance(target.slice, ast.Constant):
-            target, key = target.value, target.slice.value
-        match target:
+    def _set(self, node: ast.AST, target: ast.AST) -> Iterator[ast.expr]:
+        is_key = isinstance(target, ast.Subscript) and isinstance(target.slice, ast.Constant)
+        key = target.slice.value if is_key else _MISSING  # type: ignore[attr-defined]
+        match target.value if is_key else target:  # type: ignore[attr-defined]
             case ast.Attribute(value=ast.Name(id=owner), attr=name) if owner == self.owners[id(node)]:
                 found: ast.expr = ast.Name(owner, ast.Load())
             case ast.Name(id=name) if name in self.globals[id(node)]:

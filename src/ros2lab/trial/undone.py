@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import ast
-import itertools
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding, in_a_row, these_lines
 from ros2lab.diagnose.sources.node_source import LOG_METHODS
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, walk
-from ros2lab.trial.record import ListSeen, Record, Spot, Steps, node_at
+from ros2lab.trial.record import ListSeen, Record, Spot, Steps, node_at, spot
 
 LEAST = 2  # calls
 LEAST_HELD = 3  # times that a list holds the same object
-_Step = tuple[int, Spot, str]
 _LEAVES = (
     ast.Return,
     ast.Raise,
@@ -69,26 +67,27 @@ def _state(source: PythonSource, function: Function, name: str, path: Steps, cal
     before, steps = path
     inside = [node for node in walk(function) if isinstance(node, ast.stmt) and node is not function]
     lines = [line for line, *_ in steps]
-    at = [_innermost(inside, line) for line in lines]
-    if None in at or lines != sorted({*lines}) or not _is_bare(function, steps):
+    at = [*filter(None, (_innermost(inside, line) for line in lines))]
+    stores = [_store(place) for _, place, _ in steps]
+    if len(at) < len(steps) or lines != sorted({*lines}) or not _is_bare(function, steps):
         return
-    text = f"self.{name}" if _is_attribute(steps[0]) else name
-    guards = [_guard(source, function, one, last, text) for last, one in itertools.pairwise(at)]
+    targets = [n for node in getattr(stores[0], "targets", ()) for n in ast.walk(node)]
+    text = f"self.{name}" if any(isinstance(node, ast.Attribute) for node in targets) else name
+    guards = [_guard(source, one, last, text) for last, one in zip([None, *at], at, strict=False)]
     way = [f"{value} (line {line})" for line, _, value in steps]
     cause = f"In each of {calls} calls of {function.name}(), {text} went from {before} to {in_a_row(way)}, so in the end nothing has changed"
-    if guards and all(guards):
-        firsts = [guard for guard in guards if guard]
+    if all(guards) and all(map(_is_plain, stores)):
         cause = f"{cause}: each `if` sees what the one above it has just set."
-        fix = _with_elif(source, [_outer(source, function, at[0]), *firsts], text, name)
-        yield Finding("no-effect", cause, source.at(firsts[0]), fix)
-    elif len(steps) == 2 and _are_toggles(source, function, steps, at):
+        fix = _with_elif(source, [guard for guard in guards if guard], text)
+        yield Finding("no-effect", cause, source.at(guards[1]), fix)
+    elif (
+        len(steps) == 2
+        and all(map(_is_toggle, stores))
+        and _are_side_by_side(source, function, at, steps[1][1])
+    ):
         cause = f"{cause}: it is reversed twice."
-        yield Finding(
-            "no-effect",
-            cause,
-            source.at(lines[1]),
-            f"reverse {text} once: leave out line {lines[0]} or line {lines[1]}",
-        )
+        fix = f"reverse {text} once: leave out line {lines[0]} or line {lines[1]}"
+        yield Finding("no-effect", cause, source.at(lines[1]), fix)
 
 
 def _innermost(statements: Sequence[ast.stmt], line: int) -> ast.stmt | None:
@@ -96,17 +95,7 @@ def _innermost(statements: Sequence[ast.stmt], line: int) -> ast.stmt | None:
     return max(around, key=lambda node: (node.lineno, node.col_offset), default=None)
 
 
-def _is_attribute(step: _Step) -> bool:
-    source, line, column, *_ = step[1]
-    statement = next(
-        (n for n in source.nodes if isinstance(n, ast.stmt) and (n.lineno, n.col_offset) == (line, column)),
-        None,
-    )
-    targets = getattr(statement, "targets", [getattr(statement, "target", None)])
-    return any(isinstance(node, ast.Attribute) for target in targets if target for node in ast.walk(target))
-
-
-def _is_bare(function: Function, steps: Sequence[_Step]) -> bool:
+def _is_bare(function: Function, steps: Sequence[tuple[int, Spot, str]]) -> bool:
     """Return whether nothing takes place from the first setting to the last but the settings, logs and messages.
 
     What is published says something only if there are two values, of which the later one contradicts.
@@ -122,70 +111,63 @@ def _is_bare(function: Function, steps: Sequence[_Step]) -> bool:
     return not others and (len(steps) == 2 or "publish" not in calls)
 
 
-def _guard(
-    source: PythonSource, function: Function, one: ast.stmt | None, last: ast.stmt | None, text: str
-) -> ast.If | None:
-    """Return the `if` after one statement that tests what that has set, and so leads to another one."""
-    found: ast.AST | None = one
-    while found is not None and found is not function:
-        around = source.above(found)
-        if isinstance(found, ast.If) and found.lineno > getattr(last, "lineno", 0):
-            is_elif = isinstance(around, ast.If) and around.orelse == [found]
-            if not is_elif and any(ast.unparse(n) == text for n in ast.walk(found.test)):
-                return found
-        found = around
-    return None
+def _guard(source: PythonSource, one: ast.stmt, last: ast.stmt | None, text: str) -> ast.If | None:
+    """Return the `if` around a statement that tests a state: one after `last`, which tests nothing else; any without `last`."""
+    found = source.above(one)
+    if not isinstance(found, ast.If) or (last and found.lineno <= last.lineno):
+        return None
+    around = source.above(found)
+    if (
+        last and isinstance(around, ast.If) and around.orelse == [found]
+    ):  # an `elif` of a row that has begun before
+        return None
+    inside = [*ast.walk(found.test)]
+    asked = {
+        id(part) for n in inside if isinstance(n, ast.expr) and ast.unparse(n) == text for part in ast.walk(n)
+    }
+    others = (last_name(n) for n in inside if isinstance(n, (ast.Name, ast.Attribute)) and id(n) not in asked)
+    return found if asked and (last is None or all(name[:1].isupper() for name in others)) else None
 
 
-def _outer(source: PythonSource, function: Function, statement: ast.stmt | None) -> ast.AST | None:
-    """Return the outermost `if` around a statement."""
-    found, outer = source.above(statement) if statement else None, None
-    while found is not None and found is not function:
-        outer = found if isinstance(found, ast.If) else outer
-        found = source.above(found)
-    return outer
-
-
-def _with_elif(source: PythonSource, tests: Sequence[ast.AST | None], text: str, name: str) -> str:
+def _with_elif(source: PythonSource, tests: Sequence[ast.If], text: str) -> str:
     """Say how to let only one of some tests hold in a call."""
-    first, *others = tests
-    block = getattr(source.above(first), "body", []) if first else []
+    block = getattr(source.above(tests[0]), "body", [])
     places = [block.index(one) for one in tests if one in block]
     is_row = len(places) == len(tests) and places == [*range(places[0], places[0] + len(tests))]
-    if is_row and not any(getattr(one, "orelse", ()) for one in tests[:-1]):
-        return f"write `elif` instead of `if` on {these_lines([getattr(one, 'lineno', 0) for one in others])}"
-    short = name.partition("[")[0]
-    return (
-        f"write `before = {text}` at the beginning, and test `before` instead of {text}"
-        if short != "before"
-        else "test the value that it had at the beginning"
-    )
+    if is_row and not any(one.orelse for one in tests[:-1]):
+        return f"write `elif` instead of `if` on {these_lines([one.lineno for one in tests[1:]])}"
+    return f"keep {text} in a variable at the beginning, and test that instead"
 
 
-def _are_toggles(
-    source: PythonSource, function: Function, steps: Sequence[_Step], at: Sequence[ast.stmt | None]
-) -> bool:
-    """Return whether two statements of one block each reverse a value, with nothing but logs between them."""
-    stores = [_store(place) for _, place, _ in steps]
-    if any(source.above(one) is not source.above(at[0]) for one in at if at[0] and one) or not all(
-        map(_is_toggle, stores)
-    ):
-        return False
-    first, second = steps[0][0], steps[1][0]
-    called = {
-        last_name(n.func) for n in walk(function) if isinstance(n, ast.Call) and first < n.lineno < second
-    }
-    return called <= _QUIET - {"publish"}
+def _are_side_by_side(source: PythonSource, function: Function, at: Sequence[ast.stmt], later: Spot) -> bool:
+    """Return whether two statements are in one block, and nothing but logs takes place between what they set.
+
+    Args:
+        source: the file.
+        function: the callback.
+        at: its two statements.
+        later: what the second one sets, itself or in a function that it calls.
+    """
+    first, last = at
+    setting = later[0].function_at(later[1])
+    inside = [n for n in walk(function) if hasattr(n, "lineno") and first.lineno < n.lineno < last.lineno]
+    if setting is not None and setting is not function:
+        inside += [n for n in walk(setting) if hasattr(n, "lineno") and n.lineno < later[1]]
+    calls = {last_name(node.func) for node in inside if isinstance(node, ast.Call)}
+    return source.above(first) is source.above(last) and calls <= _QUIET - {"publish"}
 
 
 def _store(place: Spot) -> ast.stmt | None:
+    """Return the statement at a place."""
     source, *numbers = place
-    found = (
-        n
-        for n in source.nodes
-        if isinstance(n, ast.stmt) and [n.lineno, n.col_offset, n.end_lineno, n.end_col_offset] == numbers
-    )
-    return next(found, None)
+    statements = (node for node in source.nodes if isinstance(node, ast.stmt))
+    return next((node for node in statements if [*spot(source, node)[1:]] == numbers), None)
+
+
+def _is_plain(store: ast.stmt | None) -> bool:
+    """Return whether a statement sets a value that it does not compute, as one does that counts."""
+    is_counted = isinstance(store, ast.AugAssign) or isinstance(getattr(store, "value", None), ast.BinOp)
+    return store is not None and not is_counted
 
 
 def _is_toggle(store: ast.stmt | None) -> bool:
