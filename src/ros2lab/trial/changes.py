@@ -289,8 +289,8 @@ class Noting:
         match node if id(node) in self.globals else None:
             case ast.Assign(targets=several):
                 targets = several
-            case ast.AugAssign(target=target) | ast.AnnAssign(target=target, value=ast.expr()):
-                targets = [target]
+            case ast.AugAssign(target=one) | ast.AnnAssign(target=one, value=ast.expr()):
+                targets = [one]
             case ast.Expr(value=ast.Call(func=ast.Attribute(value=holder, attr=name), args=args)):
                 at = ADDS.get(name, 0 if name == "insert" and _is_zero(args[:1]) else None)
                 owner, *names = _names(holder) or [""]

@@ -260,11 +260,6 @@ class Unreached:
             ((home, node),) = again
             text = f"line {node.lineno} set it to {value} {times(self.record.count(home, node))}"
             fix = f"look at line {node.lineno}: it sets {name} to {value} again each time"
-            if later := self._only_later(source, attribute, home, node, others):
-                text = (
-                    f"{text}, and {later}() changes it only after {_name_around(home, node)}() has returned"
-                )
-                fix = f"do in {later}() what needs {name}, or ask for {name} at the next call, above line {node.lineno}"
             found = Reason(text, home.at(node), fix)
         elif len(others) == 1 and reached:
             ((home, node),) = others
@@ -282,26 +277,6 @@ class Unreached:
         else:
             return self._never_set(source, attribute) if same and not others else None
         return found
-
-    def _only_later(
-        self,
-        source: PythonSource,
-        asked: ast.AST,
-        home: PythonSource,
-        node: ast.stmt,
-        others: Sequence[_Store],
-    ) -> str:
-        """Return the other callback that alone changes what a statement has set above, in the call that asks for it."""
-        function = source.function_at(getattr(asked, "lineno", 0))
-        is_above = home is source and node in own_nodes(function or source.tree)
-        callbacks = {f for package in self.look.packages for _, f in self.look.sources(package).callbacks()}
-        threads = "MultiThreadedExecutor", "Thread"
-        is_alone = not any(word in file.text for file in self.look.files for word in threads)
-        setting = {file.function_at(one.lineno) for file, one in others if self.record.count(file, one)}
-        found = setting.pop() if len(setting) == 1 else None
-        is_later = found is not None and found in callbacks and found is not function
-        is_later &= function in callbacks and is_above and node.lineno < getattr(asked, "lineno", 0)
-        return getattr(found, "name", "") if is_later and is_alone else ""
 
     def _stores(self, name: str, value: str) -> tuple[list[_Store], list[_Store]]:
         """Return the statements that set an attribute: to a constant with this value, and to anything else."""

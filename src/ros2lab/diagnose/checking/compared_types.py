@@ -20,7 +20,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, walk
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
@@ -73,6 +73,8 @@ def compared_types(look: Look, known: Collection[str]) -> Iterator[Finding]:
                 yield from _told(
                     sources, source, [pair for pair in told if source.at(pair[0].node) not in known], look
                 )
+            if source.path and not source.fault:
+                yield from _of_attributes(source, sources, known)
 
 
 def _comparisons(source: PythonSource) -> list[_Compared]:
@@ -122,6 +124,8 @@ def _tests(source: PythonSource) -> tuple[ast.expr, ...]:
 
 def _is_only_asked(source: PythonSource, value: ast.expr) -> bool:
     """Return whether only the truth of a value is used: of what a node returns, and of a name in its function or in a choice."""
+    if is_self_attribute(value):
+        return not any(_read_beside(source, value))
     if not isinstance(value, ast.Name):
         called = getattr(value, "func", None)
         owner = getattr(getattr(called, "value", None), "id", "")
@@ -138,6 +142,15 @@ def _is_only_asked(source: PythonSource, value: ast.expr) -> bool:
     scopes = [function, *([around] if around is not None and getattr(around, "orelse", None) else [])]
     used = ([n for n in walk(scope) if isinstance(n, ast.Name) and n.id == value.id] for scope in scopes)
     return any(all(id(n) in asked or isinstance(n.ctx, ast.Store) for n in names) for names in used)
+
+
+def _read_beside(source: PythonSource, value: ast.expr) -> Iterator[ast.AST]:
+    """Yield where the function of an attribute reads it, but for the conditions that ask it."""
+    asked, text = {id(test) for test in _tests(source)}, ast.unparse(value)
+    function = source.function_at(value.lineno)
+    for node in walk(function) if function else ():
+        if is_self_attribute(node) and id(node) not in asked and ast.unparse(node) == text:
+            yield node
 
 
 # Without __init__, which is called in nearly every node: then the type checker would run for each of them.
@@ -186,8 +199,7 @@ def _told(
                 fix = f"write {_call(source, comparison.side, look)} instead of {text}"
                 yield Finding("no-effect", cause, source.at(comparison.side), fix)
             elif _is_only_asked(source, comparison.side) and (fix := _meant(text, kind)):
-                cause = f"`{text}` is a whole {kind}, which is always true, whatever is in it."
-                yield Finding("message-compared", cause, source.at(comparison.side), fix)
+                yield _always_true(source, comparison.side, kind, fix)
             continue
         wanted = _family_of(comparison.constants[0].value)
         if "" in families or wanted in families or (wanted == "a number" and "a bool" in families):
@@ -201,12 +213,64 @@ def _told(
         yield Finding("never-equal", cause, source.at(comparison.node), _fix(comparison, families, wanted))
 
 
+def _always_true(source: PythonSource, side: ast.expr, kind: str, fix: str) -> Finding:
+    short = re.sub("_(?=Request|Response)", ".", kind)
+    cause = f"`{ast.unparse(side)}` is a whole {short}, which is always true, whatever is in it."
+    return Finding("message-compared", cause, source.at(side), fix)
+
+
+def _of_attributes(source: PythonSource, sources: NodeSources, known: Collection[str]) -> Iterator[Finding]:
+    """Yield conditions that ask an attribute which holds an object of ROS from the beginning, whatever came since."""
+    for test in _tests(source):
+        if not is_self_attribute(test) or source.at(test) in known:
+            continue
+        text, kind = ast.unparse(test), _kind_of_all(sources, test.attr)
+        fix = _meant(text, kind) if kind else ""
+        if fix and (kind == "Parameter" or _is_only_asked(source, test)):
+            yield _always_true(source, test, kind, fix)
+        elif fix and _has_other_branch(source, test):
+            cause = f"`{text}` is a {kind} from the beginning, which is always true, even before anything has come."
+            yield Finding("message-compared", cause, source.at(test), f"set {text} = None in __init__")
+
+
+def _kind_of_all(sources: NodeSources, name: str) -> str:
+    """Return the class of which an attribute is always given an object; empty if it may hold anything else."""
+    kinds, received = set[str](), {id(function) for _, function in sources.callbacks()}
+    for source in sources.sources.values():
+        for node in source.nodes:
+            if not isinstance(node, ast.Attribute) or node.attr != name or isinstance(node.ctx, ast.Load):
+                continue
+            match source.above(node):
+                case ast.Assign(targets=[ast.Attribute()], value=ast.Call(func=func)):
+                    made = last_name(func)
+                    kinds.add("Parameter" if made in _READERS else made if made[:1].isupper() else "")
+                case ast.Assign(targets=[ast.Attribute()], value=ast.Name(id=given)):
+                    function = source.function_at(node.lineno)
+                    first = own_parameters(function)[:1] if function and id(function) in received else []
+                    kinds |= set() if [parameter.arg for parameter in first] == [given] else {""}
+                case _:
+                    return ""
+    return kinds.pop() if len(kinds) == 1 else ""
+
+
+def _has_other_branch(source: PythonSource, test: ast.expr) -> bool:
+    """Return whether something is done where a condition does not hold, and not only left."""
+    around = source.above(test)
+    is_denied = isinstance(around, ast.UnaryOp) and isinstance(around.op, ast.Not)
+    around = source.above(around) if is_denied and around else around
+    branch = (around.body if is_denied else around.orelse) if isinstance(around, ast.If) else []
+    return any(isinstance(statement, (ast.Expr, ast.Assign)) for statement in branch)
+
+
 def _meant(text: str, kind: str) -> str:
     """Say what to ask of an object of ROS that is always true itself; empty if its class may decide otherwise."""
     if held := held_in(text, kind):
         return f"write {held} instead of {text}"
     homes = interfaces.homes_of(kind)
     if fields := next(filter(None, (interfaces.fields_of(f"{home}.{kind}") for home in homes)), None):
+        bools = [name for name, field in fields.items() if field == "boolean"]
+        if len(bools) == 1:
+            return f"write {text}.{bools[0]} instead of {text}"
         return f"write one of its fields, such as {text}.{next(iter(fields))}, instead of {text}"
     plain = [home for home in homes if (found := interfaces.class_in(home, kind)) and not found.bases]
     decides = {"__bool__", "__len__"} & {name for home in plain for name in interfaces.members_of(home, kind)}

@@ -176,21 +176,23 @@ def kinds_in(rows: Sequence[Row]) -> list[str]:
     return [re.sub(r"^.*?`(.*)`$", r"\1", row.said) for row in rows if row.rule == "revealed-type"]
 
 
+_RECEIVED = {"create_subscription": ("",), "create_service": (".Request", ".Response")}  # parts of the type
+
+
 def message_annotations(source: PythonSource, look: Look) -> Iterator[Edit]:
-    """Yield edits that annotate the parameter of each subscription callback with its message type."""
+    """Yield edits that annotate the parameters of callbacks with the types of what they receive."""
     for package in look.packages:
         known = look.sources(package)
         for creation, function in known.callbacks() if source in package.sources.values() else ():
-            given = creation.given("msg_type")
-            names = own_parameters(function)
-            if creation.method == "create_subscription" and given and creation.source is source and names:
-                is_open = names[0].annotation is None and names[0].lineno == names[0].end_lineno
+            given = creation.given("msg_type") or creation.given("srv_type")
+            parts = _RECEIVED.get(creation.method, ()) if given and creation.source is source else ()
+            for name, part in zip(own_parameters(function), parts, strict=False):
+                is_open = name.annotation is None and name.lineno == name.end_lineno
                 # A name that is reassigned may not hold a message any more.
-                is_open &= names[0].arg not in names_bound(own_nodes(function))
-                if is_open:
-                    here = ast.Name(names[0].arg, lineno=names[0].lineno, col_offset=names[0].col_offset)
-                    here.end_lineno, here.end_col_offset = names[0].end_lineno, names[0].end_col_offset
-                    yield Edit(here, f"{names[0].arg}: {ast.unparse(given)!r}")
+                if given and is_open and name.arg not in names_bound(own_nodes(function)):
+                    here = ast.Name(name.arg, lineno=name.lineno, col_offset=name.col_offset)
+                    here.end_lineno, here.end_col_offset = name.end_lineno, name.end_col_offset
+                    yield Edit(here, f"{name.arg}: '{ast.unparse(given)}{part}'")
 
 
 def statement_of(spot: Spot) -> ast.stmt | None:

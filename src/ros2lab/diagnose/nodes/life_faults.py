@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.code.deadlocks import GROUP_IMPORTED, spun_by_threads
 from ros2lab.diagnose.finding import Finding, in_a_row
+from ros2lab.diagnose.nodes.asked_early import asked_early
 from ros2lab.diagnose.nodes.endless_loops import (
     endless_loops,
     has_others_than,
@@ -140,6 +141,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
         waits |= {f.place: f for f in _waits(sources, source, owner, functions, what) if f.place not in waits}
         yield from _needs_asyncio(sources, source, functions, what)
         yield from waits_for_another(sources, source, owner, functions, what)
+        yield from asked_early(sources, source, owner, functions, what)
         if what == "the constructor":
             yield from shut_down_at_first(sources, source, owner, function)
             continue

@@ -1,0 +1,121 @@
+"""Tests that ask, in the call that has just begun something, for what can only come after that call."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.nodes.endless_loops import uses_threads
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
+from ros2lab.diagnose.sources.uses import own_stores, uses_of
+
+_LATER = frozenset(("call_async", "send_goal_async", "get_result_async", "cancel_goal_async"))
+_BEGINS = _LATER | {"publish", "sleep", "create_timer"}
+_TESTS = (ast.If, ast.IfExp, ast.Assert)
+_LETS_OTHERS_RUN = (ast.Await, ast.Yield, ast.YieldFrom)
+
+
+def asked_early(
+    sources: NodeSources, source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
+) -> Iterator[Finding]:
+    """Yield tests, in a callback or what it calls, of what only another callback of the same thread may change meanwhile."""
+    if uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
+        return
+    for function in functions:
+        for node in own_nodes(function):
+            if not isinstance(node, ast.Assign) or len(node.targets) != 1:
+                continue
+            name, value = ast.unparse(node.targets[0]), node.value
+            if isinstance(value, ast.Call) and getattr(value.func, "attr", "") in _LATER:
+                for test in _tests_after(source, node, name):
+                    if asks := _asks_done(test, name):
+                        yield _of_future(source, functions[0], node, asks, what)
+                        break
+            elif isinstance(value, ast.Constant) and is_self_attribute(node.targets[0]) and owner:
+                yield from _of_flag(sources, source, owner, functions, node)
+
+
+def _tests_after(source: PythonSource, node: ast.Assign, name: str) -> Iterator[ast.expr]:
+    """Yield the tests below a statement, in its block, up to where what it set may change."""
+    around = source.above(node)
+    blocks = (getattr(around, field, None) for field in ("body", "orelse", "finalbody"))
+    block = next((b for b in blocks if isinstance(b, list) and node in b), [])
+    for statement in block[block.index(node) + 1 :] if block else ():
+        nodes = _placed(statement)
+        changing = [inner for inner in nodes if _may_change(inner, name)]
+        is_loop = any(isinstance(inner, (ast.For, ast.While)) for inner in nodes)
+        tests = (inner for inner in nodes if isinstance(inner, _TESTS))
+        first = min((inner.lineno for inner in changing), default=None)
+        yield from (t.test for t in tests if first is None or (t.lineno < first and not is_loop))
+        if changing:
+            return
+
+
+def _may_change(node: ast.AST, name: str) -> bool:
+    """Return whether a node sets something anew, or lets other callbacks run."""
+    is_set = not isinstance(getattr(node, "ctx", ast.Load()), ast.Load) and ast.unparse(node) == name
+    return (
+        is_set
+        or isinstance(node, _LETS_OTHERS_RUN)
+        or last_name(getattr(node, "func", None)).startswith("spin")
+    )
+
+
+def _placed(node: ast.AST) -> list[ast.expr | ast.stmt]:
+    return [inner for inner in (node, *own_nodes(node)) if isinstance(inner, (ast.expr, ast.stmt))]
+
+
+def _asks_done(test: ast.expr, name: str) -> ast.expr | None:
+    """Return the part of a test that asks whether a future is done."""
+    calls = (inner for inner in walk(test) if isinstance(inner, ast.Call))
+    return next((call for call in calls if ast.unparse(call.func) == f"{name}.done"), None)
+
+
+def _of_future(source: PythonSource, first: Function, node: ast.Assign, asks: ast.expr, what: str) -> Finding:
+    name, text = ast.unparse(node.targets[0]), ast.unparse(asks)
+    cause = f"`{text}` is never true here: line {node.lineno} has only just asked, and rclpy takes in the answer after {what} has returned."
+    short = last_name(node.targets[0])
+    fix = f"write `{name}.add_done_callback(self.answered)` below line {node.lineno}, and use `{short}.result()` in a method `def answered(self, {short}):`"
+    if name.startswith("self."):
+        fix = f"{fix}; or ask `{text}` at the next call of {first.name}(), above line {node.lineno}"
+    return Finding("callback-waits", cause, source.at(asks), fix)
+
+
+def _of_flag(
+    sources: NodeSources,
+    source: PythonSource,
+    owner: NodeClass,
+    functions: Sequence[Function],
+    node: ast.Assign,
+) -> Iterator[Finding]:
+    """Yield the test of an attribute that is reset above it, and that only other callbacks set."""
+    uses, target = uses_of(sources), node.targets[0]
+    name, text = last_name(target), ast.unparse(target)
+    others = [
+        method for method in owner.methods.values() if method not in functions and method.name != "__init__"
+    ]
+    setting = [method for method in others if name in own_stores(method)]
+    own = [
+        n
+        for f in functions
+        for n in walk(f)
+        if is_self_attribute(n) and n.attr == name and isinstance(n.ctx, ast.Store)
+    ]
+    is_free = not setting or not all(id(method) in uses.callbacks for method in setting)
+    if is_free or len(own) > 1 or name in uses.stored_of_others:
+        return
+    calls = [
+        n for f in functions[:1] for n in walk(f) if isinstance(n, ast.Call) and last_name(n.func) in _BEGINS
+    ]
+    for test in _tests_after(source, node, text):
+        is_asked = any(ast.unparse(inner) == text for inner in walk(test))
+        if is_asked and any(node.lineno < call.lineno < test.lineno for call in calls):
+            value, setter = ast.unparse(node.value), setting[0].name
+            cause = f"`{ast.unparse(test)}` always finds {text} as line {node.lineno} has set it, {value}: only {setter}() changes it, which rclpy calls after {functions[0].name}() has returned."
+            fix = f"do in {setter}() what needs {text}"
+            if functions[0].name != "__init__":
+                fix = f"{fix}, or test it at the next call of {functions[0].name}(), above line {node.lineno}"
+            yield Finding("callback-waits", cause, source.at(test), fix)
+            return
