@@ -1,6 +1,6 @@
 """Notes what attributes, variables and lists go through in each call of a callback; imports nothing of ros2lab.
 
-`witness` has it beside it in a running program. A call begins when what is not watched, such as an executor, calls a
+A call begins when what is not watched, such as an executor, calls a
 function of a watched file, and ends when the next one begins in the same thread.
 """
 
@@ -15,11 +15,12 @@ from threading import get_ident
 from types import CodeType, FrameType
 from typing import Any
 
+from .values import LONGEST, PLAIN
+
 NAME = "ros2lab_changes"  # of this module, and of what is called, in a running program
 ADDS = {"append": -1, "appendleft": 0}  # the place of what is added
 _MOST, _LONGEST_PATH, _MOST_PATHS, _MOST_ITEMS, _MOST_PRINTS = 2000, 8, 12, 300, 6
-_DEEPEST, _LONGEST, _LONGEST_PRINT = 8, 60, 4000
-_PLAIN = frozenset((int, float, bool, str, bytes, type(None)))
+_DEEPEST, _LONGEST_PRINT = 8, 4000
 _MISSING = object()
 
 
@@ -74,7 +75,7 @@ class Added:
 
     def given(self, value: Any) -> None:
         """Note what was added."""
-        if type(value) in _PLAIN or isinstance(value, (enum.Enum, type, tuple, frozenset)):
+        if type(value) in PLAIN or isinstance(value, (enum.Enum, type, tuple, frozenset)):
             return
         is_again = value is self.newest
         self.repeats = self.repeats + 1 if is_again else 1
@@ -153,7 +154,7 @@ class Changes:
         seen.given(value)
         if place not in call.lists:
             before = (*holder,)[1:] if at == 0 else (*holder,)[:-1]
-            is_new = not any(value is item or (type(value) in _PLAIN and value == item) for item in before)
+            is_new = not any(value is item or (type(value) in PLAIN and value == item) for item in before)
             call.lists[place] = (lambda: _held(owner, names), before, is_new)
 
     def end(self, call: Call) -> None:
@@ -222,17 +223,17 @@ def _held(owner: Any, names: Sequence[str]) -> Any:
 
 def _kept(value: Any) -> Any:
     kind = type(value)
-    return value if kind in _PLAIN or isinstance(value, enum.Enum) else _MISSING
+    return value if kind in PLAIN or isinstance(value, enum.Enum) else _MISSING
 
 
 def _shown(value: Any) -> str:
     if isinstance(value, enum.Enum):
         return f"{type(value).__name__}.{value.name}"
-    return repr(value)[:_LONGEST]
+    return repr(value)[:LONGEST]
 
 
 def _is_same(value: Any, other: Any) -> bool:
-    return value is other or (type(value) is type(other) and type(value) in _PLAIN and bool(value == other))
+    return value is other or (type(value) is type(other) and type(value) in PLAIN and bool(value == other))
 
 
 def _are_same(items: Sequence[Any], others: Sequence[Any]) -> bool:
@@ -244,9 +245,7 @@ def _print(value: Any) -> str:
     with contextlib.suppress(Exception):
         if type(value) in (list, dict, set, deque) or hasattr(type(value), "get_fields_and_field_types"):
             return repr(value)[:_LONGEST_PRINT]
-        return str({name: item for name, item in vars(value).items() if type(item) in _PLAIN})[
-            :_LONGEST_PRINT
-        ]
+        return str({name: item for name, item in vars(value).items() if type(item) in PLAIN})[:_LONGEST_PRINT]
     return ""
 
 

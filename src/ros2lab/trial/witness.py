@@ -1,6 +1,6 @@
 """Records the tests, statements, exceptions and objects of some files inside a running program; imports nothing of ros2lab.
 
-Programs import it as `sitecustomize`. At exit each process writes a file: for each test, how often it was true and
+Programs import it in their `sitecustomize`. At exit each process writes a file: for each test, how often it was true and
 false and what was compared; for each statement, how often it came to its end, and for each function how often it was
 called, on objects of which classes; for each loop, how many iterations it had each time; which exceptions were
 caught or ended the program, with the values in the line that failed; and what `changes` notes. Nothing else changes.
@@ -13,8 +13,6 @@ import ast
 import atexit
 import builtins
 import contextlib
-import functools
-import importlib
 import importlib.machinery
 import itertools
 import json
@@ -22,48 +20,26 @@ import math
 import operator
 import os
 import sys
-from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sized
 from types import CodeType, FrameType, TracebackType
 from typing import Any
 
+from .changes import NAME as _CHANGES
+from .changes import Changes, Noting
+from .values import LONGEST, NUMBERS, PLAIN, Words, shown, values_in
+
 WATCHED = "ROS2LAB_WITNESS"  # holds the folder for the notes, and the folders of the files to watch
 _TESTS, _LOOPS, _MARKS = "ros2lab_tests", "ros2lab_loops", "ros2lab_marks"
-_OBJECTS, _CAUGHT, _CHANGES = "ros2lab_objects", "ros2lab_caught", "ros2lab_changes"
+_OBJECTS, _CAUGHT = "ros2lab_objects", "ros2lab_caught"
 _EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
 _DEFINED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
-_LONGEST, _LONGEST_MESSAGE, _MOST_TIMES, _MOST_ERRORS, _MOST_VALUES, _FIRST = 60, 200, 1000, 50, 12, 4
-_PLAIN = frozenset((int, float, bool, str, bytes, type(None)))
-_NUMBERS = frozenset((int, float))
-_HOLDERS = frozenset((list, tuple, dict, set, frozenset, deque, range, str, bytes))
-_SHORT = frozenset(("rclpy.duration", "rclpy.time", "datetime", "enum"))  # whose objects have a short repr
+_LONGEST_MESSAGE, _MOST_TIMES, _MOST_ERRORS = 200, 1000, 50
 _SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     **{ast.Eq: operator.eq, ast.NotEq: operator.ne, ast.Is: operator.is_, ast.IsNot: operator.is_not},
     **{ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge},
     ast.In: lambda left, right: left in right,
     ast.NotIn: lambda left, right: left not in right,
 }
-
-
-class _Words(str):
-    """What is shown of a value that is not kept."""
-
-    __repr__ = str.__str__
-
-
-def _shown(value: object) -> str:
-    """Return a short text for a value, quickly: a test may be evaluated a thousand times a second."""
-    try:
-        kind = type(value)
-        if kind in _PLAIN:
-            return repr(value[:_LONGEST] if isinstance(value, (str, bytes)) else value)[: _LONGEST + 2]
-        name = f"{'an' if kind.__name__[0] in 'AEIOUaeio' else 'a'} {kind.__name__}"
-        if kind in _HOLDERS:
-            return f"{name} of {len(value)}" if value else f"an empty {kind.__name__}"  # type: ignore[arg-type]
-        is_short = isinstance(value, (int, float)) or kind.__module__ in _SHORT
-        return repr(value)[:_LONGEST] if is_short else name
-    except Exception:
-        return "?"
 
 
 class _Side:
@@ -77,28 +53,28 @@ class _Side:
 
     def note(self, value: Any) -> None:
         kind, last = type(value), self.last
-        if kind not in _PLAIN:
-            value = _Words(_shown(value))
+        if kind not in PLAIN:
+            value = Words(shown(value))
         elif value is last:
             return
-        elif kind in _NUMBERS and value == value:  # noqa: PLR0124 -- a NaN is not, and has no bounds
+        elif kind in NUMBERS and value == value:  # noqa: PLR0124 -- a NaN is not, and has no bounds
             if self.low is None:
                 self.low = self.high = value
-            elif type(last) not in _NUMBERS:
+            elif type(last) not in NUMBERS:
                 self.rose = self.fell = True
             elif value < last:
                 self.fell, self.low = True, min(value, self.low)
             elif value > last:
                 self.rose, self.high = True, max(value, self.high)
         elif kind is str or kind is bytes:
-            value = value[:_LONGEST]
+            value = value[:LONGEST]
         if last is not self and not self.has_changed:
             self.has_changed = last != value or type(last) is not type(value)
         self.last = value
 
     def told(self) -> list[Any]:
-        last = self.last if isinstance(self.last, _Words) else _shown(self.last)
-        bounds = [_shown(self.low), _shown(self.high)] if self.low != self.high else []
+        last = self.last if isinstance(self.last, Words) else shown(self.last)
+        bounds = [shown(self.low), shown(self.high)] if self.low != self.high else []
         return ["" if self.last is self else last, self.has_changed, bounds, self.rose - self.fell]
 
 
@@ -137,8 +113,8 @@ class _Test:
         self.sides[1].note(right)
         if self.sign is operator.eq and (type(left) is float or type(right) is float):
             kinds = {type(left), type(right)}
-            if kinds <= _NUMBERS and not result and math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-9):
-                self.near = [_shown(left), _shown(right)]
+            if kinds <= NUMBERS and not result and math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-9):
+                self.near = [shown(left), shown(right)]
         return self.outcome(result)
 
 
@@ -173,8 +149,8 @@ def is_marked(node: ast.AST) -> bool:
 class _Noting(ast.NodeTransformer):
     """Instruments each test, each loop, each function, each `except` and each statement of a file."""
 
-    def __init__(self, path: str, tree: ast.Module, noting: Callable[..., Any]) -> None:
-        self.path, self.changes = path, noting(tree, self._key)
+    def __init__(self, path: str, tree: ast.Module, changes: Changes) -> None:
+        self.path, self.changes = path, Noting(tree, self._key, changes)
         self.tests: dict[str, _Test] = {}
         self.loops: dict[str, _Loop] = {}
         self.marks: dict[str, Callable[[], int]] = {}
@@ -284,7 +260,7 @@ class _Errors:
         if known not in self.found and len(self.found) < _MOST_ERRORS:
             frames, values = [*_frames(error.__traceback__, self.paths)], list[Any]()
             with contextlib.suppress(Exception):
-                values = _values(*frames[-1])
+                values = values_in(*frames[-1])
             lines = [f"{frame.f_code.co_filename}:{line}:0:{line}:0" for frame, line in frames]
             self.found[known] = [*known, 0, lines, values]
         if known in self.found:
@@ -299,87 +275,11 @@ def _frames(trace: TracebackType | None, paths: Mapping[str, object]) -> Iterato
         trace = trace.tb_next
 
 
-def _values(frame: FrameType, line: int) -> list[tuple[str, str, int | None]]:
-    """Return the values in the statement at a line of a frame: the text of each, what is shown of it, and its length."""
-    with open(frame.f_code.co_filename, "rb") as file:
-        statements = [node for node in ast.walk(ast.parse(file.read())) if isinstance(node, ast.stmt)]
-    around = (node for node in statements if node.lineno <= line <= (node.end_lineno or 0))
-    statement = max(around, key=lambda node: (node.lineno, node.col_offset))
-    is_head = hasattr(statement, "body")
-    parts = [n for n in ast.iter_child_nodes(statement) if not is_head or isinstance(n, ast.expr)]
-    names = {**frame.f_globals, **frame.f_locals}
-    found: dict[str, tuple[str, str, int | None]] = {}
-    for node in itertools.chain.from_iterable(map(ast.walk, parts)):
-        if not isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.BinOp)):
-            continue
-        if not isinstance(getattr(node, "ctx", None), (ast.Store, ast.Del)) and len(found) < _MOST_VALUES:
-            with contextlib.suppress(Exception):
-                text = ast.unparse(node)
-                found[text] = (text, *_described(_evaluated(node, names)))
-    return [*found.values()]
-
-
-def _evaluated(node: ast.AST, names: Mapping[str, Any]) -> Any:
-    """Return the value of an expression without running code of the program; raises an error if that cannot be."""
-    with contextlib.suppress(ValueError):
-        return ast.literal_eval(node)
-    if isinstance(node, ast.Name):
-        return names[node.id]
-    if isinstance(node, ast.Call) and ast.unparse(node.func) == "len" and "len" not in names:
-        found = _evaluated(node.args[0], names)
-        return len(found) if type(found) in _HOLDERS else names["len"]
-    fields = dict(ast.iter_fields(node))
-    parts = {name: _evaluated(part, names) for name, part in fields.items() if isinstance(part, ast.expr)}
-    if isinstance(node, ast.Attribute):
-        return _attribute(parts["value"], node.attr)
-    kinds, owner = {*map(type, parts.values())}, type(parts.get("value"))
-    is_sum = isinstance(node, ast.BinOp) and not isinstance(node.op, (ast.Pow, ast.LShift))
-    is_of_holder = owner in _HOLDERS or owner.__module__ in ("array", "numpy")
-    is_element = isinstance(node, ast.Subscript) and is_of_holder and kinds - {owner} <= _PLAIN | {slice}
-    if not (is_element or isinstance(node, ast.Slice) or (is_sum and kinds <= _NUMBERS)):
-        raise LookupError
-    if isinstance(node, ast.Slice):
-        return slice(*map(parts.get, fields))
-    whole = type(node)(**{**fields, **{name: ast.Name(name) for name in parts}})
-    return eval(ast.unparse(whole), {}, parts)  # noqa: S307 -- of numbers, or of an element
-
-
-def _attribute(owner: Any, name: str) -> Any:
-    """Return an attribute that an object holds itself, or a field of a message."""
-    with contextlib.suppress(AttributeError):
-        own: dict[str, Any] = object.__getattribute__(owner, "__dict__")
-        if name in own:
-            return own[name]
-    if hasattr(type(owner), "get_fields_and_field_types"):
-        return object.__getattribute__(owner, f"_{name}")
-    for kind in type(owner).__mro__:
-        if type(value := vars(kind).get(name)) in _PLAIN and name in vars(kind):
-            return value
-    raise LookupError
-
-
-def _described(value: Any) -> tuple[str, int | None]:
-    """Return what is shown of a value, with the first of its elements, and its length; None without one."""
-    kind = type(value)
-    if kind.__name__ in ("module", "function", "method", "builtin_function_or_method", "type"):
-        raise LookupError
-    if kind.__module__ == "numpy" and hasattr(value, "shape"):
-        return f"an array of shape {value.shape} and type {value.dtype}", len(value)
-    shown = _shown(value)
-    if kind is str or kind is bytes:
-        return shown, len(value)
-    if kind not in _HOLDERS and kind.__module__ != "array":
-        return shown, None
-    first = ", ".join([*map(_shown, itertools.islice(value, _FIRST)), *["..."][: len(value) > _FIRST]])
-    words = f"a dict with {first}" if kind is dict else f"{shown} ({first})"
-    return (words if value else shown), len(value)
-
-
 def _file_of(kind: type) -> str:
     return os.path.realpath(getattr(sys.modules.get(kind.__module__), "__file__", None) or "")
 
 
-def _watch(folders: tuple[str, ...], changes: Callable[..., Any], watched: Callable[[_Noting], None]) -> None:
+def _watch(folders: tuple[str, ...], changes: Changes, watched: Callable[[_Noting], None]) -> None:
     """Instrument the files in some folders when they are imported."""
     loader = importlib.machinery.SourceFileLoader
     plain = loader.get_code
@@ -402,7 +302,8 @@ def _watch(folders: tuple[str, ...], changes: Callable[..., Any], watched: Calla
     setattr(loader, "get_code", get_code)  # noqa: B010 -- a method of the standard library
 
 
-def _begin() -> None:
+def begin() -> None:
+    """Watch the files in the folders that the environment names."""
     folder, *folders = os.environ.get(WATCHED, "").split(os.pathsep)
     if not folders:
         return
@@ -412,9 +313,7 @@ def _begin() -> None:
     kinds: dict[int, type] = {}
     paths: dict[str, None] = {}
     errors = _Errors(paths)
-    changes = importlib.import_module(_CHANGES)  # a file beside this one
-    noted = changes.Changes(paths)
-    noting_changes = functools.partial(changes.Noting, changes=noted)
+    changes = Changes(paths)
 
     def note_object(found: object) -> None:
         kinds[id(type(found))] = type(found)
@@ -425,7 +324,7 @@ def _begin() -> None:
         marks.update(noting.marks)
         paths[noting.path] = None
 
-    holders = (tests, loops, marks, note_object, errors.caught, noted.notes)
+    holders = (tests, loops, marks, note_object, errors.caught, changes.notes)
     for name, holder in zip((_TESTS, _LOOPS, _MARKS, _OBJECTS, _CAUGHT, _CHANGES), holders, strict=True):
         setattr(builtins, name, holder)
 
@@ -441,26 +340,21 @@ def _begin() -> None:
             "errors": [*errors.found.values()],
             "classes": [(_file_of(kind), kind.__qualname__) for kind in kinds.values()],
             "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
-            **noted.told(),
+            **changes.told(),
         }
         with open(os.path.join(folder, f"{os.getpid()}.json"), "w", encoding="utf-8") as file:
             json.dump(told, file)
 
     atexit.register(write)
-    _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), noting_changes, watched)
+    _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), changes, watched)
 
 
-def _make_room() -> None:
+def make_room() -> None:
     """Import another `sitecustomize` on the path, if there is one."""
-    home = os.path.dirname(os.path.abspath(__file__))
+    home = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     sys.path[:] = [folder for folder in sys.path if os.path.abspath(folder) != home]
     this = sys.modules.pop("sitecustomize")
     try:
         __import__("sitecustomize")
     except ImportError:
         sys.modules["sitecustomize"] = this
-
-
-if __name__ == "sitecustomize":
-    _begin()
-    _make_room()

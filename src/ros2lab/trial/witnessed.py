@@ -19,13 +19,14 @@ from ros2lab.diagnose.printed.spots import spot_at
 from ros2lab.diagnose.sources.one_run import is_always_reached
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.spelling import with_article
-from ros2lab.trial.changes import NAME as CHANGES
 from ros2lab.trial.held_back import swallowed
 from ros2lab.trial.record import Record, Spot, Test, node_at
 from ros2lab.trial.undone import undone_faults
 from ros2lab.trial.unreached import Unreached
 from ros2lab.trial.witness import WATCHED
 
+_PACKAGE = "ros2lab_watching"  # that a running program imports
+_BEGIN = f"from {_PACKAGE} import witness\n\nwitness.begin()\nwitness.make_room()\n"
 LEAST = 3  # evaluations of a condition, or runs of a loop
 MOST = 3  # conditions that are reported
 # Codes that the sources alone may lead to, too: they are reported once per file.
@@ -46,8 +47,11 @@ def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, st
     home, noted = folder / "witness", folder / "noted"
     for inner_folder in (home, noted):
         inner_folder.mkdir()
-    for name, module in (("witness", "sitecustomize"), ("changes", CHANGES)):
-        shutil.copyfile(Path(__file__).with_name(f"{name}.py"), home / f"{module}.py")
+    (home / _PACKAGE).mkdir()
+    (home / _PACKAGE / "__init__.py").touch()
+    for name in ("witness", "changes", "values"):
+        shutil.copyfile(Path(__file__).with_name(f"{name}.py"), home / _PACKAGE / f"{name}.py")
+    (home / "sitecustomize.py").write_text(_BEGIN)
     path = os.pathsep.join(filter(None, (str(home), own.get("PYTHONPATH", ""))))
     folders = (noted, root / "src", root / "install", root / "build")
     return {"PYTHONPATH": path, WATCHED: os.pathsep.join(map(str, folders))}
