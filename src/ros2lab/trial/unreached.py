@@ -24,6 +24,7 @@ STEPS = 3  # from a statement to a value, from there to what sets it, and so on
 LONGEST = 70  # characters of a statement
 _EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
 _ORDERS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
+_ENDS = frozenset(("KeyboardInterrupt", "ExternalShutdownException", "SystemExit", "GeneratorExit"))
 _LOOPS = (ast.For, ast.AsyncFor, ast.While)
 _Store = tuple[PythonSource, ast.stmt]
 
@@ -104,8 +105,8 @@ class Unreached:
         errors = [
             e for e in self.record.errors if any(home is source and at in lines for home, at in e.lines)
         ]
-        if any(error.handler is None for error in errors):
-            return None  # the program ended, which is told anyway
+        if any(error.handler is None or error.kind in _ENDS for error in errors):
+            return None  # the program ended, or was stopped, which is told anyway
         failed = max(errors, key=lambda error: error.count, default=None)
         if failed and failed.count >= most:
             return _caught(failed)
