@@ -1,141 +1,153 @@
-"""What only looks wrong in a transcript: a state that was undone, a word in an answer, a package that nobody needs."""
+"""What a callback undoes itself is told from what was noted; what is reset on purpose is not."""
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import textwrap
 from pathlib import Path
 
 import pytest
 from workspace_files import NAMES, Files
 
-from ros2lab.diagnose import of_text
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
+from ros2lab.trial.undone import undone_faults
+from ros2lab.trial.witnessed import environ_in, witnessed
 
-RUN = "$ ros2 run my_bot talker\n[INFO] [talker]: running 0\n^Z\n[1]+  Stopped                 ros2 run my_bot talker\n"
-MET = "data: running 1\n---\n^C\n"
-MISSED = "WARNING: topic [/robot/status] does not appear to be published yet\nCould not determine the type for the passed topic\n"
-ECHO = "$ ros2 topic echo /robot/status\n"
-ON = "[1]+ ros2 run my_bot talker &\n"
+NAME = NAMES[0]
+ROBOT = """\
+import enum
+from collections import deque
+
+mode = 'shut'
 
 
-@pytest.fixture
-def root(tmp_path: Path) -> Path:
-    return Files.right(NAMES[1]).write(tmp_path)
+class Gear(enum.Enum):
+    LOW = 1
+    HIGH = 2
+
+
+class Robot:
+    def __init__(self):
+        self.state = 'idle'
+        self.lamp = False
+        self.gear = Gear.LOW
+        self.parts = {'door': 'shut'}
+        self.every = 1
+        self.count = 0
+        self.window = []
+        self.queue = deque()
+        self.pose = {'x': 0}
+        self.sent = []
+        self.callbacks = [self.on_press, self.on_tick]
+
+    def publish(self, value):
+        self.sent.append(str(value))
+
+    def show(self):
+        self.publish(self.state)
+
+    def go(self, state):
+        self.state = state
+
+    def turn(self):
+        self.lamp = not self.lamp
+
+    def on_tick(self):
+        TICK
+
+    def on_press(self, number):
+        BODY
+"""
+DRIVE = "robot = Robot()\nfor number in range(12):\n    robot.on_press(number + 0.5)\n    robot.on_tick()\n"
+FIRST = ROBOT[: ROBOT.index("BODY")].count("\n") + 1
+
+
+def undone(body: str, folder: Path, tick: str = "pass") -> list[Finding]:
+    """Return what is found in a robot whose callbacks a program calls."""
+    code = ROBOT.replace("BODY", textwrap.indent(body, " " * 8).strip()).replace("TICK", tick)
+    files = Files.right(NAME)
+    root = files.put("node", code).write(folder / "ws")
+    notes = folder / "notes"
+    notes.mkdir()
+    environ = {**os.environ, **environ_in(notes, root, {})}
+    drive = f"from {NAME.package}.{Path(files.path('node')).stem} import Robot\n{DRIVE}"
+    home = root / "src" / NAME.package
+    done = subprocess.run(
+        [sys.executable, "-c", drive], cwd=home, env=environ, capture_output=True, text=True, check=False
+    )
+    assert done.stderr == ""
+    return [*undone_faults(witnessed(notes, Look(root)).unreached.record)]
+
+
+def rows(*lines: str) -> str:
+    """Return lines in one text."""
+    return "\n".join(lines)
+
+
+CHAIN = rows(
+    "if self.state == 'idle':",
+    "    self.state = 'busy'",
+    "if self.state == 'busy':",
+    "    self.state = 'idle'",
+)
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("body", "said", "fix", "line"),
     [
-        f"{RUN}$ bg\n{ON}{ECHO}{MET}",
-        f"{RUN}$ bg %1\n{ON}$ jobs\n[1]+  Running                 ros2 run my_bot talker &\n",
-        f"{RUN}$ fg\nros2 run my_bot talker\n[INFO] [talker]: running 1\n^C\n",
-        f"{RUN}$ %1\nros2 run my_bot talker\n^C\n",
-        f"{RUN}$ kill %1\n$ jobs\n[1]+  Terminated              ros2 run my_bot talker\n",
-        f"{RUN}$ ls\nsrc\n[1]+  Killed                  ros2 run my_bot talker\n",
-        f"{RUN}{ECHO}{MISSED}$ bg\n{ON}{ECHO}{MET}",
+        (CHAIN, f"In each of 12 calls of on_press(), self.state went from 'idle' to 'busy' (line {FIRST + 1}) and 'idle' (line {FIRST + 3})", f"write `elif` instead of `if` on line {FIRST + 2}", 2),
+        (rows("if self.state == 'idle': self.go('up')", "if self.state == 'up': self.go('down')", "if self.state == 'down': self.go('idle')"), "to 'up'", f"on lines {FIRST + 1} and {FIRST + 2}", 1),
+        (rows("if not self.lamp:", "    self.lamp = True", "    self.publish('on')", "if self.lamp:", "    self.lamp = False", "    self.publish('off')"), "self.lamp went from False to True", "write `elif`", 3),
+        (rows("if self.gear is Gear.LOW:", "    self.gear = Gear.HIGH", "print(number)", "if self.gear is Gear.HIGH:", "    self.gear = Gear.LOW"), "from Gear.LOW to Gear.HIGH", "keep self.gear in a variable", 3),
+        (rows("global mode", "if mode == 'shut': mode = 'open'", "if mode == 'open': mode = 'shut'"), "mode went from 'shut' to 'open'", "write `elif`", 2),
+        (rows("if self.parts['door'] == 'shut': self.parts['door'] = 'open'", "if self.parts['door'] == 'open': self.parts['door'] = 'shut'"), "self.parts['door'] went from 'shut'", "write `elif`", 1),
+        (rows("self.lamp = not self.lamp", "self.turn()"), "it is reversed twice", "reverse self.lamp once", 1),
+        (rows("self.window.append(number)", "if len(self.window) > 3:", "    self.window.pop()"), "it kept the same 3 items", "write `self.window.pop(0)`", 2),
+        (rows("self.queue.append(number)", "while len(self.queue) > 3: self.queue.pop()"), "it kept the same 3 items", "`self.queue.popleft()`", 1),
+        (rows("self.queue.appendleft(number)", "if len(self.queue) > 3: self.queue.popleft()"), "it kept the same 3 items", "write `self.queue.pop()`", 1),
+        (rows("self.window.insert(0, number)", "self.publish(max(self.window))", "if len(self.window) > 3: del self.window[0]"), "it kept the same 3 items", "write `del self.window[-1]`", 2),
+        (rows("self.window.append(number)", "self.window = self.window[:3]"), "it kept the same 3 items", "write `self.window = self.window[-3:]`", 1),
+        (rows("self.pose['x'] = number", "self.window.append(self.pose)"), "holds one and the same dict 12 times", "copy.deepcopy(self.pose)", 1),
     ],
-)
-def test_a_program_that_goes_on_is_not_frozen(text: str, root: Path) -> None:
-    assert of_text(text, root) == []
+)  # fmt: skip
+def test_what_undoes_itself_is_told(tmp_path: Path, body: str, said: str, fix: str, line: int) -> None:
+    (found,) = undone(body, tmp_path)
+    assert said in found.cause
+    assert fix in found.fix
+    assert found.place.endswith(f":{FIRST + line}")
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("body", "tick"),
     [
-        RUN,
-        f"{RUN}{ECHO}{MISSED}",
-        f"{RUN}$ jobs\n[1]+  Stopped                 ros2 run my_bot talker\n",
-        f"{RUN}$ bg\n{ON}$ fg\nros2 run my_bot talker\n^Z\n[1]+  Stopped                 ros2 run my_bot talker\n",
-        f"{RUN}{ECHO}{MISSED}$ fg\nros2 run my_bot talker\n^C\n",
-        f"$ ros2 run my_bot ears\n^Z\n[1]+  Stopped                 ros2 run my_bot ears\n{RUN.replace('[1]', '[2]')}$ bg %1\n[1]- ros2 run my_bot ears &\n",
-        "pc% ros2 run my_bot talker\n^Z\n[1]  + 4711 suspended  ros2 run my_bot talker\n",
+        (CHAIN.replace("if self.state == 'busy'", "elif self.state == 'busy'"), "pass"),
+        (rows("self.state = 'busy'", "self.publish(number)", "self.state = 'idle'"), "pass"),
+        (rows("old = self.state", "self.state = 'busy'", "try: self.show()", "finally: self.state = old"), "pass"),
+        (rows("self.count += 1", "if self.count >= self.every: self.count = 0"), "pass"),
+        (rows("if self.count < 1: self.count += 1", "if self.count >= self.every: self.count = 0"), "pass"),
+        (rows("if self.state == 'idle': self.state = 'busy'", "if self.state == 'busy':", "    self.show()", "    self.state = 'idle'"), "pass"),
+        (rows("if self.lamp: self.lamp = False", "if number < 99: self.lamp = True"), "pass"),
+        (rows("if self.lamp: self.lamp = False", "if not self.lamp and number > 0: self.lamp = True"), "pass"),
+        (rows("if not self.lamp: self.lamp = True", "if number < 99: return", "if self.lamp: self.lamp = False"), "self.lamp = False"),
+        (rows("self.turn()", "self.publish(self.lamp)", "self.turn()"), "pass"),
+        (CHAIN, "self.state = 'busy' if self.state == 'idle' and self.sent else self.state\n        self.publish(1)"),
+        (rows("self.queue.appendleft(number)", "if len(self.queue) > 3: self.queue.pop()"), "pass"),
+        (rows("self.window.append(number)", "self.publish(self.window[-1])", "self.window.pop()"), "pass"),
+        (rows("self.window.append(number)", "if len(self.window) > 3: self.window.pop()"), "self.window and self.window.pop(0)"),
+        (rows("self.window.append(number)", "self.window.sort()", "if len(self.window) > 3: self.window.pop()"), "pass"),
+        (rows("self.window.append(7)", "if len(self.window) > 3: self.window.pop(0)"), "pass"),
+        (rows("self.window.append({'x': number})"), "pass"),
+        (rows("self.window.append(self.pose)"), "pass"),
+        (rows("self.pose['x'] = number", "self.window.append(self.pose)", "self.window.clear()"), "pass"),
     ],
-)
-def test_a_program_that_stands_still_is_all_that_is_told(text: str, root: Path) -> None:
-    (finding,) = of_text(text, root)
-    assert finding.code == "not-running"
-    assert "`ros2 run my_bot talker`" in finding.cause
-    assert "`bg`" in finding.fix
-    assert "second terminal" in finding.fix
+)  # fmt: skip
+def test_what_is_meant_is_not_told(tmp_path: Path, body: str, tick: str) -> None:
+    assert undone(body, tmp_path, tick) == []
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "$ ros2 interface show std_srvs/srv/Trigger\n---\nbool success   # whether it did well\nstring message # informational, e.g. for error messages\n",
-        "$ ros2 interface show diagnostic_msgs/msg/DiagnosticStatus\nbyte OK=0\nbyte ERROR=2\n",
-        "$ ros2 topic list\n/chatter\n/error\n",
-        "$ ros2 action list -t\n/failed [demo/action/Failed]\n",
-        "$ ros2 param get /talker mode\nString value is: unknown error\n",
-        "$ ros2 service call /reset std_srvs/srv/Trigger\nrequester: making request: std_srvs.srv.Trigger_Request()\n\nresponse:\nstd_srvs.srv.Trigger_Response(success=True, message='no error')\n",
-        "$ ls\nerror.txt  failed_runs\n",
-    ],
-)
-def test_a_word_of_an_answer_is_no_error(text: str, root: Path) -> None:
-    assert of_text(text, root) == []
-
-
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("$ ros2 topic info /error\nUnknown topic '/error'\n", "/error"),
-        ("$ ros2 interface show std_msgs/msg/Strin\nUnknown interface 'std_msgs/msg/Strin'\n", "Strin"),
-        ("$ ros2 run my_bot talker\nerror: x = 5 failed\n", "failed"),
-        ("$ cat notes.txt\ncat: notes.txt: No such file or directory\n", "notes.txt"),
-    ],
-)
-def test_what_a_tool_says_itself_is_told(text: str, said: str, root: Path) -> None:
-    assert said in of_text(text, root)[0].cause
-
-
-LATER = "def plan():\n    return 'next week'\n"
-SETUP = "from setuptools import setup\n\nsetup(name='later', version='0.0.1', packages=['later'], data_files=[('share/ament_index/resource_index/packages', ['resource/later']), ('share/later', ['package.xml'])], install_requires=['setuptools'])\n"
-MANIFEST = "<?xml version='1.0'?>\n<package format='3'><name>later</name><version>0.0.1</version><description>Plans.</description><maintainer email='a@b.de'>A</maintainer><license>MIT</license><export><build_type>ament_python</build_type></export></package>\n"
-
-
-def with_a_later_package(root: Path) -> Path:
-    """Add a package that is not built to a workspace in which the other one is, as far as ROS is asked."""
-    folder = root / "src/later"
-    for name, text in {
-        "later/__init__.py": "",
-        "later/plan.py": LATER,
-        "setup.py": SETUP,
-        "setup.cfg": "[develop]\nscript_dir=$base/lib/later\n[install]\ninstall_scripts=$base/lib/later\n",
-        "package.xml": MANIFEST,
-        "resource/later": "",
-    }.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        (folder / name).write_text(text, encoding="utf-8")
-    (root / "install").mkdir(exist_ok=True)
-    (root / "install/setup.bash").touch()
-    return root
-
-
-def unbuilt(text: str, root: Path) -> list[str]:
-    return [one.place for one in of_text(text, root) if one.code == "not-built" and "later" in one.place]
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "$ colcon build --packages-up-to my_bot\nStarting >>> my_bot\nFinished <<< my_bot [2.41s]\n\nSummary: 1 package finished [5.10s]\n",
-        "$ ros2 run my_bot talker\n[INFO] [talker]: running 0\n^C\n",
-        "$ ros2 launch my_bot robot.launch.py\n[INFO] [talker-1]: process started with pid [2]\n^C\n",
-    ],
-)
-def test_a_package_that_no_command_needs_is_not_missed(text: str, root: Path) -> None:
-    with_a_later_package(root)
-    assert unbuilt(text, root) == []
-    talker = root / "src/my_bot/my_bot/talker.py"
-    talker.write_text(f"from later.plan import plan\n{talker.read_text()}", encoding="utf-8")
-    assert unbuilt(text, root)
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "$ colcon build\n$ ros2 run my_bot talker\n[INFO] [talker]: running 0\n",
-        "$ ros2 pkg prefix later\nPackage not found\n",
-        "$ ros2 pkg list\n",
-    ],
-)
-def test_a_package_that_one_may_need_is(text: str, root: Path) -> None:
-    assert unbuilt(text, with_a_later_package(root))
+def test_what_is_set_very_often_is_noted_only_at_first(tmp_path: Path) -> None:
+    body = rows("for self.count in range(3000):", "    self.state = 'idle'", CHAIN)
+    assert [one.code for one in undone(body, tmp_path)] == []
