@@ -212,6 +212,34 @@ def test_a_whole_object_is_no_condition(tmp_path: Path, lines: str, fix: str) ->
     assert [one.fix.startswith(fix) for one in found] == [True] * bool(fix)
 
 
+@pytest.mark.parametrize(
+    ("made", "lines", "fix"),
+    [
+        ("self.on = self.get_parameter('use_sim_time')", "if self.on: print(1)", "write self.on.value instead of self.on"),
+        ("self.on = self.get_parameter('use_sim_time').value", "if self.on: print(1)", ""),
+        ("self.on = String()", "if not self.on: print(1)\n        print(self.on.data)\n\n    def keep(self, msg):\n        self.on = msg", ""),
+        ("self.on = String()", "if not self.on: print(1)\n        print(self.on.data)", "set self.on = None in __init__"),
+        ("self.on = String()", "if not self.on:\n            return\n        print(self.on.data)", ""),
+        ("self.on = None", "if not self.on: print(1)\n        self.on = String()", ""),
+        ("self.create_service(SetBool, 'on', self.turn)", "pass\n\n    def turn(self, request, response):\n        if request: print(1)\n        return response", "write request.data instead of request"),
+        ("self.create_service(SetBool, 'on', self.turn)", "pass\n\n    def turn(self, request, response):\n        if request.data: print(1)\n        return response", ""),
+        ("self.create_service(SetBool, 'on', self.turn)", "pass\n\n    def turn(self, request, response):\n        if not response: print(1)\n        return None", "write response.success instead of response"),
+    ],
+)  # fmt: skip
+def test_what_always_holds_an_object_is_no_condition(tmp_path: Path, made: str, lines: str, fix: str) -> None:
+    files = right_workspace().change(
+        "listener", "        self.subscription", f"        {made}\n        self.subscription"
+    )
+    files.change(
+        "listener",
+        "        if msg.data == 'start'",
+        f"        {lines}\n\n    def last(self):\n        if 1 == 1",
+    )
+    files.change("listener", "import rclpy\n", "import rclpy\nfrom std_srvs.srv import SetBool\n")
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "message-compared"]
+    assert [one.fix for one in found] == [fix] * bool(fix)
+
+
 def test_only_of_a_file_with_a_comparison_the_type_checker_is_asked(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -103,12 +104,15 @@ SEND = "self.publish(self.count)"
         (f"if 90 < self.count % 7 < 99: {SEND}", ["`90 < self.count % 7 < 99` was never true in 5 checks (self.count % 7 was between 1 and 6)"], 0),
         (f"ready = self.count > 3\nif self.ready: {SEND}", ["self.ready was False"], None),
         (f"self.state = 'idle'\nif self.state == 'busy': {SEND}\nself.state = 'busy'", ["self.state was 'idle' each time", "line 23 set it to 'idle' 5 times"], 0),
+        (f"if not self.ready and self.count % 7 < 90: pass\nelif not self.ready:\n    self.ready = True\n    {SEND}", ["`self.count % 7 < 90` was always true in 5 checks (self.count % 7 was between 1 and 6)"], 0),
+        (f"if self.state == 'idle':\n    pass\nelse:\n    {SEND}\n    self.state = 'done'", ["`self.state == 'idle'` was always true in 5 checks (self.state was 'idle' each time)"], 0),
     ],
 )  # fmt: skip
 def test_the_reason_is_followed(tmp_path: Path, body: str, words: list[str], line: int | None) -> None:
     _, notes = told(body, tmp_path)
     (note,) = [note for note in notes if SEND in note.cause]
     assert all(word in note.cause for word in words), note.cause
+    assert all(note.cause.count(test) == 1 for test in re.findall("`[^`]+` was [an]", note.cause)), note.cause
     assert line is None or note.place.endswith(f":{FIRST + line}"), note.place
 
 
@@ -120,6 +124,10 @@ def test_the_reason_is_followed(tmp_path: Path, body: str, words: list[str], lin
         f"try: {SEND}\nexcept Exception: self.ready = True",
         "if self.count > 99: print('never')",  # nothing else depends on it
         f"if self.count > 99: raise RuntimeError\n{SEND}",
+        f"if self.count > 20: {SEND}",  # it goes there
+        f"if 20 - self.count < 0: {SEND}",
+        f"if self.count < 90: return\n{SEND}",
+        f"try:\n    raise KeyboardInterrupt\n    {SEND}\nexcept KeyboardInterrupt: pass",
     ],
 )
 def test_what_is_reached_is_not_told(tmp_path: Path, body: str) -> None:
