@@ -93,7 +93,7 @@ SEND = "self.publish(self.count)"
         (f"if self.ready and self.count: {SEND}", ["self.ready was False in 5 checks", "line 12 in on_ready(), was not reached: on_ready() was never called, as line 16"], 14 - FIRST),
         (f"if self.count > 0 and self.state == 'busy': {SEND}", ["`self.state == 'busy'` was never true in 5 checks (self.state was 'idle' each time)", "nothing in the code sets it to another value"], 0),
         (f"if self.state == 'busy' or self.ready: {SEND}", ["self.state was 'idle' each time", " and self.ready was False in 5 checks"], 0),
-        (f"if self.count < 9 and -self.count > 9: {SEND}", ["`-self.count > 9` was never true in 2 checks", "only asked when `self.count < 9` is true"], 0),
+        (f"if self.count < 12 and -self.count > 9: {SEND}", ["`-self.count > 9` was never true in 3 checks", "only asked when `self.count < 12` is true"], 0),
         (f"if self.count > 2: pass\nelif self.count > 8: {SEND}", ["`self.count > 2` was always true in 5 checks"], 0),
         (f"if self.count % 7 < 90:\n    return\n{SEND}", ["`return` on line 24 came first each time, because `self.count % 7 < 90` was always true"], 0),
         (f"for one in self.items:\n    if one < 5: continue\n    {SEND}", ["`continue` on line 24 came first", "(one was between 1 and 3)"], 1),

@@ -23,6 +23,9 @@ LEAST = (
     3  # calls of a function, after which it is told what in it was not reached; or errors that were caught
 )
 MOST = 3  # statements of which that is told
+_RARE = frozenset(
+    ("debug", "error", "fatal", "critical")
+)  # that nothing is logged with these is as it should be
 _SENDS = frozenset(("publish", "call", "call_async", "send_goal", "send_goal_async", "cancel"))
 
 
@@ -171,7 +174,7 @@ def _rank(source: PythonSource, node: ast.AST) -> int | None:
     targets = getattr(node, "targets", [getattr(node, "target", None)])
     if any(is_self_attribute(target) and _is_read(source, target.attr) for target in targets):
         return 2
-    is_log = "get_logger" in called and called & (LOG_METHODS - {"debug"})
+    is_log = "get_logger" in called and called & (LOG_METHODS - _RARE)
     is_call = isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and "get_logger" not in called
     return 3 if is_log or is_call else None
 

@@ -7,6 +7,7 @@ attribute was never set, because the statement that sets it was not reached.
 from __future__ import annotations
 
 import ast
+import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,6 +21,7 @@ from ros2lab.trial.failing import failed_with
 from ros2lab.trial.record import Error, Record, Side, Test
 from ros2lab.trial.witness import is_marked
 
+LEAST = 3  # evaluations of a test that say something
 STEPS = 3  # from a statement to a value, from there to what sets it, and so on
 LONGEST = 70  # characters of a statement
 _EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
@@ -236,7 +238,6 @@ class Unreached:
         fix = f"see whether `{ast.unparse(test)}` can be {str(wanted).lower()} at all, and what should change it"
         is_order = isinstance(test, ast.Compare) and isinstance(test.ops[0], _ORDERS)
         is_open = is_order and any(side.bounds for side in found.sides)
-        is_coming = isinstance(test, ast.Compare) and is_open and _is_coming(test.ops[0], found.sides, wanted)
         is_known, has_changed = test in self._explained, any(side.has_changed for side in found.sides)
         self._explained.append(test)
         for _, part, side in pairs if not has_changed and not is_known else ():
@@ -246,7 +247,7 @@ class Unreached:
                 if further.is_circle:
                     return Reason(text, source.at(test), fix, is_circle=True)
                 return further.after(f"{text}, and ", source.at(test))
-        return Reason(text, source.at(test), fix, is_open, is_coming, is_known)
+        return Reason(text, source.at(test), fix, is_open, is_coming(test, found, wanted), is_known)
 
     def _unset(self, source: PythonSource, attribute: Any, value: str, steps: int) -> Reason | None:
         """Return why an attribute of self kept a value: where it would have been set to another one, and why it was not."""
@@ -401,12 +402,21 @@ def _of_side(text: str, side: Side) -> str:
     return f"{text} was {side.last} {'the last' if side.has_changed else 'each'} time"
 
 
-def _is_coming(sign: ast.cmpop, sides: Sequence[Side], wanted: bool) -> bool:
-    """Return whether a side of an order only went towards the other one."""
+def is_coming(test: ast.expr, found: Test, wanted: bool) -> bool:
+    """Return whether a comparison may only not have become true, or false, so far.
+
+    A number in it only went towards the other side, or has not changed often enough to tell.
+    """
+    if not isinstance(test, ast.Compare) or not any(side.bounds for side in found.sides):
+        return False
+    sign, (left, right) = test.ops[0], found.sides[:2]
     rises = isinstance(sign, (ast.Gt, ast.GtE)) is wanted
-    return any(
-        side.way == (1 if is_up else -1) for side, is_up in zip(sides, (rises, not rises), strict=False)
-    )
+    if isinstance(sign, ast.Eq):
+        with contextlib.suppress(ValueError):
+            rises = float(left.last) < float(right.last)
+    elif not isinstance(sign, _ORDERS):
+        return False
+    return found.checks < LEAST or left.way == (1 if rises else -1) or right.way == (-1 if rises else 1)
 
 
 def _is_plain(value: str) -> bool:

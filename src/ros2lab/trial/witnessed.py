@@ -22,12 +22,11 @@ from ros2lab.diagnose.sources.spelling import with_article
 from ros2lab.trial.held_back import swallowed
 from ros2lab.trial.record import Record, Spot, Test, node_at
 from ros2lab.trial.undone import undone_faults
-from ros2lab.trial.unreached import Unreached
+from ros2lab.trial.unreached import LEAST, Unreached, is_coming
 from ros2lab.trial.witness import WATCHED
 
 _PACKAGE = "ros2lab_watching"  # that a running program imports
 _BEGIN = f"from {_PACKAGE} import witness\n\nwitness.begin()\nwitness.make_room()\n"
-LEAST = 3  # evaluations of a condition, or runs of a loop
 MOST = 3  # conditions that are reported
 # Codes that the sources alone may lead to, too: they are reported once per file.
 NOTED = frozenset(("changed-in-loop", "used-up", "never-equal"))
@@ -148,6 +147,8 @@ def _never_true(tests: Mapping[Spot, Test]) -> Iterator[tuple[Finding, str]]:
         source, line, node = place[0], place[1], node_at(place, ast.Compare)
         sides, near = [side.last for side in test.sides], test.near
         if not isinstance(node, ast.Compare) or test.held or test.failed < LEAST or "None" in sides:
+            continue
+        if not near and is_coming(node, test, wanted=True):
             continue
         if len(sides) != 2 or isinstance(node.ops[0], _DENIALS) or _is_of_module(node):
             continue  # a guard that never fires is as it should be, and so is an imported module's __name__
