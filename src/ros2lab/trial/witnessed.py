@@ -192,7 +192,14 @@ def is_contradicted(finding: Finding, look: Look, noted: Witnessed) -> bool:
     spot = spot_at(finding.place, look)
     if finding.code in ("timer-in-callback", "made-again"):
         has_run = any(source == spot.source for source, _ in noted.called)
-        return has_run and spot.function is not None and spot.file.at(spot.function) not in noted.ran
+        # With what was made up, it may have been called, which is not among the calls.
+        inside = (
+            []
+            if spot.function is None
+            else [node for node in ast.walk(spot.function) if isinstance(node, ast.stmt)]
+        )
+        is_called = any(spot.file.at(node) in noted.ran | noted.done for node in inside)
+        return has_run and bool(inside) and not is_called
     statement = next((node for node in spot.whole if isinstance(node, ast.stmt)), None)
     if statement is None or spot.file.at(statement) not in noted.done or not fails_there(finding):
         return False
