@@ -71,15 +71,19 @@ def _state(source: PythonSource, function: Function, name: str, path: Steps, cal
     stores = [_store(place) for _, place, _ in steps]
     if len(at) < len(steps) or lines != sorted({*lines}) or not _is_bare(function, steps):
         return
-    targets = [n for node in getattr(stores[0], "targets", ()) for n in ast.walk(node)]
-    text = f"self.{name}" if any(isinstance(node, ast.Attribute) for node in targets) else name
-    guards = [_guard(source, one, last, text) for last, one in zip([None, *at], at, strict=False)]
+    set_in = [*ast.walk(stores[0])] if stores[0] else []
+    names = {ast.unparse(node) for node in set_in if isinstance(node, ast.expr)}
+    text = f"self.{name}" if f"self.{name}" in names else name
+    guards = [
+        _guard(source, one, last, text) or _guard(store[1][0], _store(store[1]), last and source.tree, text)
+        for last, one, store in zip([None, *at], at, steps, strict=False)
+    ]
     way = [f"{value} (line {line})" for line, _, value in steps]
     cause = f"In each of {calls} calls of {function.name}(), {text} went from {before} to {in_a_row(way)}, so in the end nothing has changed"
-    if all(guards) and all(map(_is_plain, stores)):
-        cause = f"{cause}: each `if` sees what the one above it has just set."
-        fix = _with_elif(source, [guard for guard in guards if guard], text)
-        yield Finding("no-effect", cause, source.at(guards[1]), fix)
+    tests = [guard for guard in guards if guard]
+    if len(tests) == len(steps) > 1:
+        cause = f"{cause}: each `if` sees what the one before it has just set."
+        yield Finding("no-effect", cause, steps[1][1][0].at(tests[1]), _with_elif(source, tests, text))
     elif (
         len(steps) == 2
         and all(map(_is_toggle, stores))
@@ -107,19 +111,22 @@ def _is_bare(function: Function, steps: Sequence[tuple[int, Spot, str]]) -> bool
     calls = {
         last_name(node.func) for node in inside if isinstance(node, ast.Call) and node.lineno not in lines
     }
+    for source, line, *_ in (place for _, place, _ in steps):
+        setting = source.function_at(line)
+        if setting is not None and setting is not function:
+            calls |= {last_name(node.func) for node in walk(setting) if isinstance(node, ast.Call)}
     others = {name for name in calls - _QUIET if not name[:1].isupper()}
     return not others and (len(steps) == 2 or "publish" not in calls)
 
 
-def _guard(source: PythonSource, one: ast.stmt, last: ast.stmt | None, text: str) -> ast.If | None:
+def _guard(source: PythonSource, one: ast.stmt | None, last: ast.AST | None, text: str) -> ast.If | None:
     """Return the `if` around a statement that tests a state: one after `last`, which tests nothing else; any without `last`."""
-    found = source.above(one)
-    if not isinstance(found, ast.If) or (last and found.lineno <= last.lineno):
+    found = source.above(one) if one else None
+    if not isinstance(found, ast.If) or (last and found.lineno <= getattr(last, "lineno", 0)):
         return None
-    around = source.above(found)
-    if (
-        last and isinstance(around, ast.If) and around.orelse == [found]
-    ):  # an `elif` of a row that has begun before
+    if last and getattr(source.above(found), "orelse", None) == [
+        found
+    ]:  # an `elif`, of a row that began before
         return None
     inside = [*ast.walk(found.test)]
     asked = {
@@ -136,7 +143,7 @@ def _with_elif(source: PythonSource, tests: Sequence[ast.If], text: str) -> str:
     is_row = len(places) == len(tests) and places == [*range(places[0], places[0] + len(tests))]
     if is_row and not any(one.orelse for one in tests[:-1]):
         return f"write `elif` instead of `if` on {these_lines([one.lineno for one in tests[1:]])}"
-    return f"keep {text} in a variable at the beginning, and test that instead"
+    return f"let only one of these tests hold in a call: ask for the value that {text} had when it began"
 
 
 def _are_side_by_side(source: PythonSource, function: Function, at: Sequence[ast.stmt], later: Spot) -> bool:
@@ -164,12 +171,6 @@ def _store(place: Spot) -> ast.stmt | None:
     return next((node for node in statements if [*spot(source, node)[1:]] == numbers), None)
 
 
-def _is_plain(store: ast.stmt | None) -> bool:
-    """Return whether a statement sets a value that it does not compute, as one does that counts."""
-    is_counted = isinstance(store, ast.AugAssign) or isinstance(getattr(store, "value", None), ast.BinOp)
-    return store is not None and not is_counted
-
-
 def _is_toggle(store: ast.stmt | None) -> bool:
     match store:
         case ast.Assign(targets=[target], value=ast.UnaryOp(op=ast.Not(), operand=value)):
@@ -182,11 +183,9 @@ def _taken_back(
 ) -> Iterator[Finding]:
     """Yield a list whose size is limited by taking away the newest item."""
     holder = ast.unparse(added.func.value)  # type: ignore[attr-defined]
-    later = [
-        n
-        for n in walk(function)
-        if isinstance(n, ast.stmt) and n.lineno > added.lineno and record.count(source, n)
-    ]
+    inside = [n for n in walk(function) if isinstance(n, ast.stmt) and record.count(source, n)]
+    first = added.lineno if any(node.lineno == added.lineno for node in inside) else 0
+    later = [node for node in inside if node.lineno > first]
     names = {
         last_name(n.func) for n in walk(function) if isinstance(n, ast.Call) and holder in ast.unparse(n)
     }
