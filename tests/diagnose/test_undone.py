@@ -114,7 +114,7 @@ CHAIN = rows(
 @pytest.mark.parametrize(
     ("body", "said", "fix", "line"),
     [
-        (CHAIN, f"In each of 12 calls of on_press(), self.state went from 'idle' to 'busy' (line {FIRST + 1}) and 'idle' (line {FIRST + 3})", f"write `elif` instead of `if` on line {FIRST + 2}", 2),
+        (CHAIN, f"In 12 calls of on_press(), self.state went from 'idle' to 'busy' (line {FIRST + 1}) and 'idle' (line {FIRST + 3})", f"write `elif` instead of `if` on line {FIRST + 2}", 2),
         (rows("if self.state == 'idle': self.go('up')", "if self.state == 'up': self.go('down')", "if self.state == 'down': self.go('idle')"), "to 'up'", f"on lines {FIRST + 1} and {FIRST + 2}", 1),
         (rows("if not self.lamp:", "    self.lamp = True", "    self.publish('on')", "if self.lamp:", "    self.lamp = False", "    self.publish('off')"), "self.lamp went from False to True", "write `elif`", 3),
         (rows("if self.gear is Gear.LOW:", "    self.gear = Gear.HIGH", "print(number)", "if self.gear is Gear.HIGH:", "    self.gear = Gear.LOW"), "from Gear.LOW to Gear.HIGH", "let only one of these tests hold", 3),
@@ -158,6 +158,8 @@ def test_what_undoes_itself_is_told(tmp_path: Path, body: str, said: str, fix: s
         (rows("self.queue.appendleft(number)", "if len(self.queue) > 3: self.queue.pop()"), "pass"),
         (rows("self.window.append(number)", "self.publish(self.window[-1])", "self.window.pop()"), "pass"),
         (rows("self.window.append(number)", "if len(self.window) > 3: self.window.pop()"), "self.window and self.window.pop(0)"),
+        (rows("self.window.append(number)", "if len(self.window) > 3: self.window.pop()"), "if self.count > 99: self.window.pop(0)"),
+        (rows("self.count += 1", "self.window.append(self)"), "pass"),
         (rows("self.window.append(number)", "self.window.sort()", "if len(self.window) > 3: self.window.pop()"), "pass"),
         (rows("self.window.append(7)", "if len(self.window) > 3: self.window.pop(0)"), "pass"),
         (rows("self.window.append({'x': number})"), "pass"),

@@ -241,11 +241,10 @@ def _are_same(items: Sequence[Any], others: Sequence[Any]) -> bool:
 
 
 def _print(value: Any) -> str:
-    """Return the contents of a message, a list or a dict; of another object, what it holds itself."""
+    """Return the contents of a message, a list or a dict; empty of what may be the same thing at different times."""
+    is_message = hasattr(type(value), "get_fields_and_field_types")
     with contextlib.suppress(Exception):
-        if type(value) in (list, dict, set, deque) or hasattr(type(value), "get_fields_and_field_types"):
-            return repr(value)[:_LONGEST_PRINT]
-        return str({name: item for name, item in vars(value).items() if type(item) in PLAIN})[:_LONGEST_PRINT]
+        return repr(value)[:_LONGEST_PRINT] if is_message or type(value) in (list, dict, set, deque) else ""
     return ""
 
 

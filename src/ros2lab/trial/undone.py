@@ -37,8 +37,7 @@ def undone_faults(record: Record) -> Iterator[Finding]:
     for (root, name), paths in record.paths.items():
         source, function = root[0], _function(root)
         if function is not None and not _is_set_from_outside(record, name.partition("[")[0]):
-            calls = sum(count for _, count in paths)
-            steps, _ = max(paths, key=lambda pair: pair[1])
+            steps, calls = max(paths, key=lambda pair: pair[1])
             if calls >= LEAST:
                 yield from _state(source, function, name, steps, calls)
     for place, seen in record.lists.items():
@@ -79,7 +78,7 @@ def _state(source: PythonSource, function: Function, name: str, path: Steps, cal
         for last, one, store in zip([None, *at], at, steps, strict=False)
     ]
     way = [f"{value} (line {line})" for line, _, value in steps]
-    cause = f"In each of {calls} calls of {function.name}(), {text} went from {before} to {in_a_row(way)}, so in the end nothing has changed"
+    cause = f"In {calls} calls of {function.name}(), {text} went from {before} to {in_a_row(way)}, so in the end nothing has changed"
     tests = [guard for guard in guards if guard]
     if len(tests) == len(steps) > 1:
         cause = f"{cause}: each `if` sees what the one before it has just set."
@@ -190,13 +189,20 @@ def _taken_back(
         last_name(n.func) for n in walk(function) if isinstance(n, ast.Call) and holder in ast.unparse(n)
     }
     taking = [(node, fix) for node in later if (fix := _other_end(node, holder, added))]
-    if names & _SORTS or len(taking) != 1:
+    if names & _SORTS or len(taking) != 1 or _is_taken_from(source, function, holder):
         return
     ((node, fix),) = taking
     if not _is_limit(source, function, node, holder):
         return
     cause = f"Line {node.lineno} takes away from {holder} what line {added.lineno} has just added: in {seen.same} calls of {function.name}(), it kept the same {seen.length} items, and got none of the new ones."
     yield Finding("no-effect", cause, source.at(node), fix)
+
+
+def _is_taken_from(source: PythonSource, function: Function, holder: str) -> bool:
+    """Return whether another function takes items from a list: then the newest may be turned away on purpose."""
+    own = {*walk(function)}
+    calls = (node for node in source.calls if isinstance(node.func, ast.Attribute) and node not in own)
+    return any(call.func.attr in _TAKES and ast.unparse(call.func.value) == holder for call in calls)  # type: ignore[attr-defined]
 
 
 def _other_end(node: ast.stmt, holder: str, added: ast.expr) -> str:
