@@ -175,8 +175,9 @@ def _rank(source: PythonSource, node: ast.AST) -> int | None:
     if any(is_self_attribute(target) and _is_read(source, target.attr) for target in targets):
         return 2
     is_log = "get_logger" in called and called & (LOG_METHODS - _RARE)
-    is_call = isinstance(node, ast.Expr) and isinstance(node.value, ast.Call) and "get_logger" not in called
-    return 3 if is_log or is_call else None
+    done = getattr(node.value, "func", None) if isinstance(node, ast.Expr) else None
+    is_own = is_self_attribute(done) or getattr(done, "id", "") == "print"
+    return 3 if is_log or is_own else None
 
 
 def _is_read(source: PythonSource, name: str) -> bool:
