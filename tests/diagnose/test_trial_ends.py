@@ -388,10 +388,12 @@ def test_a_program_that_no_launch_file_starts_has_the_parameter_file_that_names_
         ("stepped", [0.3, 0.5, 0.8, 1.0], ", about one every 0.23 s"),  # of a timer with 0.25 s
         ("stepped", [0.2, 0.3, 0.5, 0.6, 0.8, 0.9], ", about one every 0.14 s"),
         ("stepped", [0.4, 0.7, 1.1, 1.4], ", about one every 0.33 s"),
-        ("stepped", [0.1, 0.2, 0.3], ", one every 0.1 s or more often"),
-        ("stepped", [2.0, 4.0], ", about one every 2 s"),
+        ("stepped", [0.1, 0.2, 0.3], ", about 0.1 s apart"),
+        ("stepped", [0.1, 0.2, 0.3, 0.4], ", one every 0.1 s or more often"),
+        ("stepped", [2.0, 4.0], ""),  # chance
         ("stepped", [2.0], ""),
-        ("real", [0.25, 0.5, 0.76, 1.0], ", one every 0.25 s"),
+        ("real", [0.25, 0.5, 0.76, 1.0], ", about one every 0.25 s"),
+        ("real", [0.2, 0.21, 1.5, 1.6], ""),  # in bursts,
     ],
 )
 def test_a_rhythm_is_told_as_exactly_as_it_was_measured(
@@ -401,7 +403,7 @@ def test_a_rhythm_is_told_as_exactly_as_it_was_measured(
     run = replace(run_of("status_publisher", "/news", STRING, heard), clock=clock)
     look = Look(right_workspace().write(tmp_path))
     story = told_of(Seen(look, assignments.load(), [run], []), run, frozenset())
-    assert f"published {len(times)} message{'s' * (len(times) > 1)} on /news{said}." in story
+    assert f"published {len(times)} message{'s' * (len(times) > 1)} on /news{said}, " in story
 
 
 @pytest.mark.parametrize(

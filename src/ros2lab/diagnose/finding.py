@@ -150,6 +150,7 @@ STAGES: tuple[tuple[str, ...], ...] = (
     ),
     ("program-ends", "no-node", "not-spinning", "never-activated", "never-ends"),
     ("topic-near-miss", "topic-type", "qos-mismatch", "publishes-nothing", "message-empty", "sent-early"),
+    ("commanded-by-two",),
     ("launch-unused", "never-shown", "parameter-unread"),
     ("speed-implausible", "word-unanswered", "period"),
     ("test-fixture", "tests-not-run", "test-failed"),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from itertools import chain, groupby
+from dataclasses import dataclass, field
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 from ros2lab.diagnose.finding import Finding
@@ -15,20 +15,22 @@ from ros2lab.diagnose.nodes.service_faults import service_ends
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.printed.error_text import ErrorReport, read_error
 from ros2lab.diagnose.printed.spots import spot_of
-from ros2lab.every_node import HIDDEN_TOPICS, OF_MANAGED
+from ros2lab.every_node import HIDDEN_TOPICS
 from ros2lab.grading.code.contents import Contents, Values, compared_by
 from ros2lab.grading.evidence import Run, ServiceCall
 from ros2lab.observed_domain import TEXTS
 from ros2lab.trial.contents import leaves_of
+from ros2lab.trial.effects import did_given
 from ros2lab.trial.ends import explained
 from ros2lab.trial.failing import is_of_code
+from ros2lab.trial.spoken import Sent, shown, value_of
 from ros2lab.trial.story import may_be_called
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
     from ros2lab.trial.witnessed import Called
 
-MOST_SHOWN, LONGEST = 3, 40  # fields and texts; letters
+MOST_SHOWN = 3  # texts
 
 
 @dataclass(frozen=True)
@@ -39,11 +41,15 @@ class GivenRun:
         run: what was seen.
         fatal: what was given just before a program ended, for each in `run.ended`, by topic or service.
         called: the functions that were called in this run and all others.
+        sent: what each program published by its own notes, by its name and the topic.
+        when: when what was given, each with the topic or service.
     """
 
     run: Run
     fatal: Sequence[Mapping[str, Any]]
     called: Called
+    sent: Mapping[str, Mapping[str, Sent]] = field(default_factory=dict)
+    when: Sequence[tuple[float, str, Any]] = ()
 
 
 def open_contents(look: Look, commanded: str) -> Contents:
@@ -129,16 +135,9 @@ def told_of_given(seen: Seen, run: Run, given: GivenRun | None) -> list[str]:
         return []
     ended = [*_ended(seen, given, name, {*topics, *own})]
     is_over = name in among.ended
-    mine = [topic for topic, by in among.publishes.items() if {*by} <= nodes]
-    silent = [
-        topic
-        for topic in mine
-        if topic not in {*seen.heard(run), *among.quiet} and not is_over and not topic.endswith(OF_MANAGED)
-    ]
-    did = [*filter(None, (_published(seen, run, among, topic) for topic in mine))]
-    did += [f"still published nothing on {topic}" for topic in silent]
-    did = did or ["went on"] * (bool(what) and not is_over)
+    did = did_given(seen, run, given, [*topics, *own], is_over=is_over)
     when = f"Given made-up {' and '.join(what)}" if what else "Meanwhile"
+    did = did or ["went on"] * (bool(what) and not is_over)
     told = [f"{when}, it {'; it '.join(did)}."] if did else []
     return [*_answered(calls, is_over=is_over), *told, *ended]
 
@@ -159,7 +158,7 @@ def _answered(calls: Iterable[ServiceCall], *, is_over: bool) -> Iterator[str]:
     for service, group in groupby(sorted(calls, key=lambda call: call.service), lambda call: call.service):
         made = [*group]
         texts = dict.fromkeys(
-            f"called{f' with {_shown(call.request)}' if call.request else ''}, {_response_of(call, is_over=is_over)}"
+            f"called{f' with {shown(call.request)}' if call.request else ''}, {_response_of(call, is_over=is_over)}"
             for call in made
         )
         leaves = [leaf for call in made for _, leaf in leaves_of(call.response)]
@@ -170,53 +169,7 @@ def _answered(calls: Iterable[ServiceCall], *, is_over: bool) -> Iterator[str]:
 def _response_of(call: ServiceCall, *, is_over: bool) -> str:
     if call.response is None:
         return f"did not answer {'before the program ended' if is_over else f'within {call.seconds:.1f} s'}"
-    return f"answered {_shown(call.response)}"
-
-
-def _published(seen: Seen, run: Run, among: Run, topic: str) -> str:
-    """Say what was published on a topic; empty if nothing, or if that varied without anything given, too."""
-    before = [value for heard in seen.heard(run).get(topic, ()) for value in heard.values]
-    was, is_varied = _content(before)
-    if topic not in among.quiet or is_varied:
-        return ""
-    heard = among.quiet[topic]
-    text, _ = _content(heard.values)
-    as_before = " as before" if text == was else ""
-    return f"published {heard.count} message{'s' * (heard.count != 1)} on {topic}{as_before}{text}"
-
-
-def _content(values: Sequence[Any]) -> tuple[str, bool]:
-    """Describe what messages hold: what varies in them, else what is set in each; and whether anything varies."""
-    found: dict[str, dict[Any, None]] = {}
-    for name, leaf in chain.from_iterable(map(leaves_of, values)):
-        found.setdefault(name, {})[leaf] = None
-    varied = [_spread(name, [*leaves]) for name, leaves in found.items() if len(leaves) > 1]
-    if varied:
-        return f": {', '.join(varied[:MOST_SHOWN])}", True
-    held = {name: leaf for name, (leaf, *_) in found.items() if leaf}
-    each = "each of them " if len(values) > 1 else ""
-    if not found:
-        return "", False
-    return f", {each}with {_shown(held)}" if held else f", {each}zero, false or empty", False
-
-
-def _spread(name: str, leaves: Sequence[Any]) -> str:
-    if all(isinstance(leaf, (int, float)) and not isinstance(leaf, bool) for leaf in leaves):
-        return f"{name} from {min(leaves):.3g} to {max(leaves):.3g}"
-    more = " and others" * (len(leaves) > MOST_SHOWN)
-    return f"{name} {', '.join(map(_value, leaves[:MOST_SHOWN]))}{more}"
-
-
-def _shown(message: Any) -> str:
-    """Show the first fields of a message, a request or a response."""
-    leaves = [f"{name} = {_value(leaf)}" for name, leaf in leaves_of(message)]
-    return ", ".join(leaves[:MOST_SHOWN]) + ", ..." * (len(leaves) > MOST_SHOWN) or "without fields"
-
-
-def _value(leaf: Any) -> str:
-    if isinstance(leaf, bool) or not isinstance(leaf, (int, float)):
-        return repr(leaf)[:LONGEST]
-    return f"{leaf:.4g}"
+    return f"answered {shown(call.response)}"
 
 
 def _ended(seen: Seen, given: GivenRun, name: str, own: Collection[str]) -> Iterator[str]:
@@ -227,7 +180,7 @@ def _ended(seen: Seen, given: GivenRun, name: str, own: Collection[str]) -> Iter
     spot = spot_of(report, seen.look)
     last = _just_given(given, name)
     leaves = [
-        (field, f"{field} = {_value(leaf)} on {topic}")
+        (field, f"{field} = {value_of(leaf)} on {topic}")
         for topic in last
         if topic in own
         for field, leaf in leaves_of(last[topic])

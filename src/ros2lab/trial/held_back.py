@@ -70,7 +70,11 @@ def _of_silent(
         reason = _of_publisher(finding, unreached) if finding.code == "publishes-nothing" else None
         if reason is None:
             told.append(finding)
-        elif causes.isdisjoint(reason.places) and not (reason.is_open and {*finding.about} <= speaking):
+        elif (
+            causes.isdisjoint(reason.places)
+            and not (unreached.record.moving is not None and reason.is_coming)
+            and not (reason.is_open and {*finding.about} <= speaking)
+        ):
             cause = f"{finding.cause.rstrip('.')}: {reason.text}."
             told.append(replace(finding, cause=cause, place=reason.place, fix=reason.fix or finding.fix))
             places |= reason.places
@@ -153,8 +157,7 @@ def _notes(unreached: Unreached) -> list[tuple[str, Reason]]:
                 or unreached.record.count(source, statement)
             ):
                 continue
-            reason = unreached.why(source, statement)
-            if reason and not reason.is_coming:
+            if (reason := unreached.why(source, statement)) and not reason.is_coming:
                 text = f"In {calls} calls of {function.name}(), `{shown(statement)}` was never carried out"
                 known = found.setdefault(reason.place, (rank, text, reason))
                 found[reason.place] = (rank, text, reason) if rank < known[0] else known

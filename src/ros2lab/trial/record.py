@@ -6,7 +6,7 @@ import ast
 import contextlib
 import json
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -142,9 +142,11 @@ class Record:
         paths: for each callback, and each name that ended in each call of it as it had begun: the value before, and the
             line in the callback, the place and the value each time that it was set; and in how many calls.
         lists: what became of a list that got something, by the place of that.
+        moving: the tests whose values still moved when a longer run ended; None if there was none.
     """
 
-    def __init__(self, folder: Path, look: Look) -> None:
+    def __init__(self, folder: Path, look: Look, moving: Collection[Spot] | None = None) -> None:
+        self.moving = moving
         self.sources = [
             source for package in look.packages for source in look.sources(package).sources.values()
         ]

@@ -9,6 +9,7 @@ import ast
 import contextlib
 import itertools
 import json
+import math
 import re
 import socket
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,14 +37,18 @@ from ros2lab.grading.sandbox.box import Box, Limits
 from ros2lab.grading.sandbox.open_world import OpenWorld
 from ros2lab.grading.watching.job import Job, Program
 from ros2lab.grading.watching.observe import SHOWN, Observer
+from ros2lab.grading.watching.quiet import TOO_LITTLE
 from ros2lab.scratch import scratch_folder
 from ros2lab.trial.ends import UNKNOWN_WORD
 from ros2lab.trial.given import GivenRun, given_faults, open_contents, told_of_given
 from ros2lab.trial.held_back import with_reasons
+from ros2lab.trial.moving import may_move, still_moving
 from ros2lab.trial.retold import without_retold
+from ros2lab.trial.rivals import rival_faults, told_of_rivals
 from ros2lab.trial.seen import Seen, seen_faults
 from ros2lab.trial.set_in_vain import set_in_vain
-from ros2lab.trial.story import told_of
+from ros2lab.trial.spoken import Said, Sent, read_sent
+from ros2lab.trial.story import told_of, untried
 from ros2lab.trial.unmade import unmade_faults
 from ros2lab.trial.witnessed import Witnessed, environ_in, is_contradicted, witnessed
 from ros2lab.workspace import Workspace
@@ -51,6 +56,8 @@ from ros2lab.workspace import Workspace
 MOST_PROGRAMS = 10
 _TRACEBACK = "Traceback (most recent call last)"
 _CHAINED = re.compile(r"exception(?: occurred)?:\s*\Z")  # the traceback after it belongs to the one before
+_BRIEF = {"is_brief": True}
+_LONGER = {**_BRIEF, "has_commands": False, "longer": 30.0}  # s of the stepped clock
 MOST_WORDS = 6  # of those that the code compares with, which are sent
 
 
@@ -62,11 +69,13 @@ class Trial:
         findings: what is silent or wrong, the likeliest first.
         story: what each program did, in a few sentences, and then what was not reached or never true.
         read: what reading the files has found, without what the run contradicts.
+        untried: what was not tried, in a sentence; empty if nothing was run.
     """
 
     findings: list[Finding]
     story: list[str]
     read: Sequence[Finding] = ()
+    untried: str = ""
 
 
 def try_out(
@@ -94,7 +103,11 @@ def try_out(
         seen, noted, given = _watched(look, programs)
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
     called = noted.called
-    shown = [*seen_faults(seen), *(fault for run in seen.alone for fault in unmade_faults(seen, run, called))]
+    shown = [
+        *seen_faults(seen),
+        *rival_faults(seen),
+        *(fault for run in seen.alone for fault in unmade_faults(seen, run, called)),
+    ]
     shown += given_faults(seen, given) if given else ()
     shown += set_in_vain(look, {run.programs[0]: run for run in seen.alone})
     read = [
@@ -107,9 +120,11 @@ def try_out(
     found, others, read = with_reasons(found, read, noted, seen)
     story = [
         *(" ".join((told_of(seen, run, called), *told_of_given(seen, run, given))) for run in seen.alone),
+        *told_of_rivals(seen),
+        *["See whether this is as it should be:"] * bool(others),
         *(f"{note.cause} ({note.place})" for note in others),
     ]
-    return Trial(ranked(found), story, read)
+    return Trial(ranked(found), story, read, untried(seen))
 
 
 def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, GivenRun | None]:
@@ -119,32 +134,64 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
     made up: a condition may be about what never comes.
     """
     assignment = _assignment_for(look)
-    with scratch_folder() as notes, scratch_folder() as more_notes, contextlib.ExitStack() as leases:
+    with (
+        scratch_folder() as notes,
+        scratch_folder() as more_notes,
+        scratch_folder() as longer_notes,
+        contextlib.ExitStack() as leases,
+    ):
         noting = _noting(programs, notes, look)
         jobs = [_OwnJob(leases, [program]) for program in noting]
         if len(programs) > 1:
-            jobs.append(_OwnJob(leases, noting, is_brief=True))
+            jobs.append(_OwnJob(leases, noting, plan=_BRIEF))
         contents = open_contents(look, assignment.commanded.topic if assignment.commanded else "")
         if contents:
             jobs.append(_OwnJob(leases, _noting(programs, more_notes, look), contents=contents))
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch(jobs)
-        ever = noted = witnessed(notes, look)
+            sent = [job.sent(more_notes if job.setting == GIVEN else notes) for job in jobs]
+            noted = witnessed(notes, look)
+            moving = None
+            last = len(runs) - 1 - bool(contents)  # of all programs
+            if _is_steppable(runs[last]) and may_move(noted.unreached.record):
+                longer = _OwnJob(leases, _noting(programs, longer_notes, look), plan=_LONGER)
+                observer.watch([longer])
+                sent[last] = longer.sent(longer_notes) or sent[last]
+                moving = still_moving(noted.unreached.record, witnessed(longer_notes, look).unreached.record)
+        _bring(longer_notes, notes)
+        ever = noted = witnessed(notes, look, moving)
         if contents:
-            for path in (more_notes / "noted").glob("*.json"):
-                path.rename(notes / "noted" / path.name)
-            ever = witnessed(notes, look)
+            _bring(more_notes, notes)
+            ever = witnessed(notes, look, moving)
     usual = runs[: len(runs) - bool(contents)]
     first = noted.unreached.record.errors  # whose values are not made up
     later = [error for error in ever.unreached.record.errors if not any(map(error.is_like, first))]
-    seen = Seen(look, assignment, usual[: len(programs)], usual[len(programs) :], [*first, *later])
+    alone = {
+        run.programs[0]: found.get(run.programs[0], {})
+        for run, found in zip(usual, sent[: len(programs)], strict=False)
+    }
+    together = sent[len(programs)] if len(programs) > 1 else {}
+    told = Said(alone, together)
+    seen = Seen(look, assignment, usual[: len(programs)], usual[len(programs) :], [*first, *later], told)
     if not contents:
         return seen, noted, None
     still = {finding.place for finding in (*ever.never, *ever.steady)}
     never, steady = ([one for one in found if one.place in still] for found in (noted.never, noted.steady))
-    fatal = jobs[-1].result.get("fatal", [])
+    fatal, when = (jobs[-1].result.get(name, []) for name in ("fatal", "when"))
     noted = replace(ever, never=never, steady=steady, called=noted.called)
-    return seen, noted, GivenRun(runs[-1], fatal, ever.called)
+    return seen, noted, GivenRun(runs[-1], fatal, ever.called, sent[-1], when)
+
+
+def _is_steppable(run: Run) -> bool:
+    """Return whether the clock of a run can be stepped further: programs follow it, as far as that was seen."""
+    is_open = any(TOO_LITTLE in note for note in run.notes)
+    return (run.clock == "stepped" or is_open) and not run.ended
+
+
+def _bring(folder: Path, notes: Path) -> None:
+    """Put the notes of further runs beside those of others."""
+    for path in (folder / "noted").glob("*.json"):
+        path.rename(notes / "noted" / path.name)
 
 
 def _noting(programs: Sequence[Program], folder: Path, look: Look) -> list[Program]:
@@ -277,19 +324,24 @@ class _OwnJob(Job):
         leases: contextlib.ExitStack,
         programs: Sequence[Program],
         *,
-        is_brief: bool = False,
+        plan: Mapping[str, Any] | None = None,
         contents: Contents | None = None,
     ) -> None:
         self._lease = leases.enter_context(contextlib.closing(socket.socket(socket.AF_UNIX)))
         self._own = leased(self._lease)
         if contents is None:
-            super().__init__(programs, "together" if len(programs) > 1 else "alone", is_brief=is_brief)
+            super().__init__(programs, "together" if len(programs) > 1 else "alone")
+            self.plan |= plan or {}
         else:
             super().__init__(programs, GIVEN, has_commands=False, is_stepped=False, contents=contents)
 
     def begin(self, number: int) -> None:
         super().begin(number)
         self.domain = self._own
+
+    def sent(self, folder: Path) -> dict[str, dict[str, Sent]]:
+        """Return what its programs published by their own notes, by name and topic."""
+        return read_sent(folder, str(self.domain), self.interrupted_at or math.inf)
 
     def run(self) -> Run:
         """Return what was seen, with the complete last output of programs that ended or were stopped."""

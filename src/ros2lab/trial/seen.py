@@ -27,6 +27,7 @@ from ros2lab.trial.contents import VELOCITIES, content_faults
 from ros2lab.trial.ends import ended_together, explained, is_told_alone, needs_others
 from ros2lab.trial.made_by_words import is_made_by_words
 from ros2lab.trial.record import Error
+from ros2lab.trial.spoken import NOTHING, Said
 from ros2lab.trial.timers import pauseless
 from ros2lab.trial.unended import unended_faults
 from ros2lab.trial.unspun import unspun_fault
@@ -48,6 +49,7 @@ class Seen:
         alone: a run of each program.
         together: a run of all programs; empty if there is only one program.
         errors: the exceptions that were noted in the runs.
+        said: what each program published by its own notes.
     """
 
     look: Look
@@ -55,6 +57,7 @@ class Seen:
     alone: Sequence[Run]
     together: Sequence[Run]
     errors: Sequence[Error] = ()
+    said: Said = NOTHING
 
     @cached_property
     def _ends(self) -> list[Any]:

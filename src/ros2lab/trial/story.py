@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
 
+from ros2lab.diagnose.finding import in_a_row
 from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
 from ros2lab.diagnose.nodes.service_faults import service_ends
 from ros2lab.diagnose.nodes.spin_loops import stands_still
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
-from ros2lab.every_node import OF_MANAGED
-from ros2lab.grading.evidence import Heard, Run
+from ros2lab.every_node import HIDDEN_TOPICS, OF_MANAGED
+from ros2lab.grading.evidence import Run
 from ros2lab.grading.judging.player import finds_no_keyboard
-from ros2lab.grading.watching.quiet import STEP
-from ros2lab.rhythm import median_gap
 from ros2lab.trial.ends import lacks_arguments, word_that_ended
+from ros2lab.trial.spoken import LEAST_EVEN, Sent, content, counted, even_gap, rhythm
 from ros2lab.trial.unmade import unmade_notes
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
     from ros2lab.trial.witnessed import Called
+
+# What a program may wait for, besides messages.
+_ASKS = frozenset(
+    (
+        "create_service",
+        "create_client",
+        "input",
+        "stdin",
+        "add_on_set_parameters_callback",
+        "ActionServer",
+        "ActionClient",
+    )
+)
 
 
 def told_of(seen: Seen, run: Run, called: Called) -> str:
@@ -30,11 +43,17 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
         run: the run of this program alone.
         called: the functions that were called in any run.
     """
-    name, heard = run.programs[0], seen.heard(run)
-    parts = [_published(topic, stretches, run) for topic, stretches in heard.items()]
-    silent = [topic for topic in run.publishes if topic not in heard and not topic.endswith(OF_MANAGED)]
-    parts += [f"has a publisher on {topic}, but published nothing there" for topic in silent]
-    parts += [f"subscribed to {topic}{_missed(seen, run, topic, called)}" for topic in run.subscribes]
+    name, sent = run.programs[0], sent_by(seen, run)
+    parts = [_published(seen, run, topic, found) for topic, found in sent.items()]
+    publishes = own_ends(run, run.publishes, *(other.publishes for other in seen.together))
+    silent = [topic for topic in publishes if topic not in sent and not topic.endswith(OF_MANAGED)]
+    why = _unasked(seen, run)
+    parts += [
+        f"has a publisher on {topic}, but published nothing there{why} while it was watched"
+        for topic in silent
+    ]
+    subscribes = own_ends(run, run.subscribes, *(other.subscribes for other in seen.together))
+    parts += [f"subscribed to {topic}{_missed(seen, run, topic, called)}" for topic in subscribes]
     if run.ended:
         word = word_that_ended(run)
         alone = _ended(seen, run.ended.get(name) or "")
@@ -46,6 +65,18 @@ def told_of(seen: Seen, run: Run, called: Called) -> str:
     parts = parts or ["neither published nor subscribed to anything"]
     shown = f"{name} {'; '.join([*parts, *unmade_notes(seen, run, called)])}."
     return " ".join([shown, *_standing(seen, run, called), *_unshown(seen, seen.main(name), called)])
+
+
+def untried(seen: Seen) -> str:
+    """Say what was not tried, and might show more."""
+    ends = [end for package in seen.look.packages for end in service_ends(seen.look.sources(package))]
+    goals = dict.fromkeys(
+        f"goals for /{end.name.lstrip('/')}" for end in ends if end.is_action and end.is_server and end.name
+    )
+    has_parameters = any(values for run in seen.alone for values in run.parameters.values())
+    is_asking = any(not seen.names(run).isdisjoint(("input", "stdin")) for run in seen.alone)
+    parts = [*["other values of parameters"] * has_parameters, *["a keyboard"] * is_asking, *goals]
+    return f"It has not tried {in_a_row([*parts, 'what shows only later or on a robot'])}."
 
 
 def _standing(seen: Seen, run: Run, called: Called) -> list[str]:
@@ -94,28 +125,75 @@ def _served(seen: Seen, file: str) -> Iterator[str]:
         yield f"offers /{name}" if is_server else f"calls /{name}{lone}"
 
 
-def _published(topic: str, stretches: list[Heard], run: Run) -> str:
-    count = sum(stretch.count for stretch in stretches)
-    times = run.quiet[topic].times if topic in run.quiet else []
-    gap, pace = median_gap(times), ""
-    if gap:
-        pace = f", one every {gap:.3g} s"
-    if gap and run.clock != "real":
-        # The clock steps from message to message: a single time between two is off by up to a step.
-        mean = (times[-1] - times[0]) / (len(times) - 1)
-        pace = (
-            f", about one every {mean:.2g} s" if mean > 1.05 * STEP else f", one every {STEP} s or more often"
-        )
-    return f"published {count} message{'s' * (count != 1)} on {topic}{pace}"
+def own_ends(run: Run, *ends: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Return the topics that nodes of a program have among the ends in some runs."""
+    nodes = {*run.nodes}
+    return [
+        *dict.fromkeys(topic for found in ends for topic, by in found.items() if not nodes.isdisjoint(by))
+    ]
+
+
+def sent_by(seen: Seen, run: Run) -> dict[str, Sent]:
+    """Return what a program published by itself, by topic: in the run of all programs, or else alone.
+
+    A program that was sent words did most when it was alone. What is known of it beside others is what it noted, or
+    else what only its own nodes publish.
+    """
+    alone = _sent_in(seen, run, run, seen.said.alone)
+    found = [_sent_in(seen, run, other, seen.said.together) for other in seen.together]
+    beside = found[0] if found else {}
+    few = {topic for topic, sent in beside.items() if sent.count < LEAST_EVEN <= alone.get(topic, sent).count}
+    first, second = (alone, beside) if run.commands else (beside, alone)
+    return {**second, **first, **{topic: alone[topic] for topic in few}}
+
+
+def _sent_in(seen: Seen, run: Run, where: Run, said: Mapping[str, Mapping[str, Sent]]) -> dict[str, Sent]:
+    """Return what a program published in a run, by topic."""
+    name, own = run.programs[0], {*run.nodes}
+    noted = {
+        topic: sent
+        for topic, sent in said.get(name, {}).items()
+        if sent.count and topic not in HIDDEN_TOPICS and not topic.endswith(OF_MANAGED)
+    }
+    heard = {
+        t: Sent.of_heard(stretches)
+        for t, stretches in seen.heard(where).items()
+        if own.issuperset(where.publishes.get(t, ()))
+    }
+    return {**heard, **noted} if where is run or name not in where.ended else {}
+
+
+def _unasked(seen: Seen, run: Run) -> str:
+    """Say of a program that published nothing that it may have waited; empty if all that it waits for came."""
+    heard = {topic for other in (*seen.alone, *seen.together) for topic in seen.heard(other)}
+    is_waiting = any(topic not in heard for topic in run.subscribes)
+    return " by itself" if is_waiting or not seen.names(run).isdisjoint(_ASKS) else ""
+
+
+def _published(seen: Seen, run: Run, topic: str, sent: Sent) -> str:
+    """Say how many messages a program published on a topic, in which rhythm, and with which content."""
+    return (
+        f"published {counted(sent.count)} on {topic}{pace_of(seen, run, topic)[1]}{content(sent.values)[0]}"
+    )
+
+
+def pace_of(seen: Seen, run: Run, topic: str) -> tuple[float, str]:
+    """Return the time between the messages of a program on a topic, and what is said of it; 0 if that is not known."""
+    for where in (run, *seen.together):
+        heard, own, is_stepped = where.quiet.get(topic), {*run.nodes}, where.clock != "real"
+        if heard and topic not in where.stalled and own.issuperset(where.publishes.get(topic, ())):
+            return even_gap(heard.times, is_stepped=is_stepped), rhythm(heard.times, is_stepped=is_stepped)
+    return 0.0, ""
 
 
 def _missed(seen: Seen, run: Run, topic: str, called: Called) -> str:
     """Say who published on a topic, if that is known: this run itself, or nobody; or that no callback was called."""
-    if topic not in (seen.command_topic, run.commanded) and not any(
-        topic in seen.heard(other) for other in (*seen.alone, *seen.together)
-    ):
+    speaking = [other for other in (*seen.alone, *seen.together) if topic in seen.heard(other)]
+    if topic not in (seen.command_topic, run.commanded) and not speaking:
         return ", on which nobody published"
-    if not may_be_called(seen, topic, called):
+    # One that ended may have spoken before this program was there.
+    is_over = bool(speaking) and all(other.ended for other in speaking)
+    if not is_over and not may_be_called(seen, topic, called):
         return ", but received nothing there"
     return (
         ", where it was also sent texts, to see what it does"

@@ -18,7 +18,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, walk
 from ros2lab.trial.failing import failed_with
-from ros2lab.trial.record import Error, Record, Side, Test
+from ros2lab.trial.record import Error, Record, Side, Spot, Test, spot
 from ros2lab.trial.witness import is_marked
 
 LEAST = 3  # evaluations of a test that say something
@@ -40,7 +40,7 @@ class Reason:
         place: the line that decides.
         fix: what to do there; empty if that is not known.
         is_open: whether it may only not have come so far: a number has not passed a limit.
-        is_coming: whether that number only went towards the limit.
+        is_coming: whether that number only went towards the limit, or still moved when the runs ended.
         is_circle: whether it only comes to what it is to explain, or to what is told already.
         on_the_way: the other lines that it tells of.
     """
@@ -80,10 +80,13 @@ class Unreached:
         self.record, self.look = record, look
         self._explained: list[ast.AST | None] = []  # statements, and the tests that are told of them
 
-    def why(self, source: PythonSource, statement: ast.AST | None, steps: int = STEPS) -> Reason | None:
+    def why(self, source: PythonSource, statement: ast.AST | None) -> Reason | None:
         """Return why a statement never came to its end; None if that is not known."""
-        if steps == STEPS:
-            self._explained.clear()
+        self._explained.clear()
+        return self._why(source, statement, STEPS)
+
+    def _why(self, source: PythonSource, statement: ast.AST | None, steps: int) -> Reason | None:
+        """Return the same in at most so many steps."""
         self._explained.append(statement)
         owner, block = _around(source, statement) if steps > 0 else (None, ())
         for place, inner in enumerate(filter(is_marked, block)):
@@ -178,14 +181,14 @@ class Unreached:
             case ast.match_case():
                 found = self._untaken(source, owner, steps)
             case ast.stmt():
-                found = self.why(source, owner, steps)
+                found = self._why(source, owner, steps)
         return found
 
     def _untaken(self, source: PythonSource, case: ast.match_case, steps: int) -> Reason | None:
         match, line = source.above(case), case.pattern.lineno
         seen = self.record.test(source, match.subject) if isinstance(match, ast.Match) else None
         if not isinstance(match, ast.Match) or seen is None:
-            return self.why(source, match, steps)
+            return self._why(source, match, steps)
         if case.guard and any(self._outcomes(source, case.guard)):
             return self._constant(source, case.guard, True, steps)
         value = _of_side(ast.unparse(match.subject), seen.sides[0])
@@ -219,7 +222,8 @@ class Unreached:
                 text = f"`{ast.unparse(test)}` was {_truth(wanted)} in {_checks(sum(outcomes))}"
                 if len(parts) == (1 if needs_all else len(values)):
                     told = [part for part in parts if not part.is_circle] or parts[:1]
-                    return replace(told[0], text=" and ".join(part.text for part in told))
+                    text = " and ".join(part.text for part in told)
+                    return replace(told[0], text=text, is_coming=any(part.is_coming for part in parts))
                 return Reason(
                     f"{text}{', although each part of it was at times' * needs_all}", source.at(test)
                 )
@@ -247,7 +251,8 @@ class Unreached:
                 if further.is_circle:
                     return Reason(text, source.at(test), fix, is_circle=True)
                 return further.after(f"{text}, and ", source.at(test))
-        return Reason(text, source.at(test), fix, is_open, is_coming(test, found, wanted), is_known)
+        coming = is_coming(self.record, spot(source, test), test, found, wanted=wanted)
+        return Reason(text, source.at(test), fix, is_open, coming, is_known)
 
     def _unset(self, source: PythonSource, attribute: Any, value: str, steps: int) -> Reason | None:
         """Return why an attribute of self kept a value: where it would have been set to another one, and why it was not."""
@@ -269,7 +274,7 @@ class Unreached:
         elif len(others) == 1:
             ((home, node),) = others
             text = f"the only other place that sets it, line {node.lineno} in {_name_around(home, node)}(), was not reached"
-            further = self.why(home, node, steps)
+            further = self._why(home, node, steps)
             found = further.after(f"{text}: ") if further else Reason(text, home.at(node))
         elif others and not reached:
             lines = these_lines(sorted(node.lineno for _, node in others))
@@ -331,7 +336,7 @@ class Unreached:
         home, statement = (named[0][0], statement_of(*named[0])) if len(named) == 1 else (source, None)
         if statement is None or self.record.count(home, statement):
             return Reason(text, place)
-        further = self.why(home, statement, steps - 1)
+        further = self._why(home, statement, steps - 1)
         text = f"{text}, as line {statement.lineno}, which calls it, was not reached"
         return further.after(f"{text}: ") if further else Reason(text, place)
 
@@ -402,13 +407,16 @@ def _of_side(text: str, side: Side) -> str:
     return f"{text} was {side.last} {'the last' if side.has_changed else 'each'} time"
 
 
-def is_coming(test: ast.expr, found: Test, wanted: bool) -> bool:
+def is_coming(record: Record, place: Spot, test: ast.expr, found: Test, *, wanted: bool) -> bool:
     """Return whether a comparison may only not have become true, or false, so far.
 
-    A number in it only went towards the other side, or has not changed often enough to tell.
+    A number in it still moved when a longer run ended. Without one, it only went towards the other side, or has not
+    changed often enough to tell.
     """
     if not isinstance(test, ast.Compare) or not any(side.bounds for side in found.sides):
         return False
+    if record.moving is not None and found.checks >= LEAST:
+        return place in record.moving
     sign, (left, right) = test.ops[0], found.sides[:2]
     rises = isinstance(sign, (ast.Gt, ast.GtE)) is wanted
     if isinstance(sign, ast.Eq):

@@ -24,6 +24,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sized
 from types import CodeType, FrameType, TracebackType
 from typing import Any
 
+from . import sender
 from .changes import NAME as _CHANGES
 from .changes import Changes, Noting
 from .values import LONGEST, NUMBERS, PLAIN, Words, shown, values_in
@@ -307,6 +308,7 @@ def begin() -> None:
     folder, *folders = os.environ.get(WATCHED, "").split(os.pathsep)
     if not folders:
         return
+    sender.begin(folder)
     tests: dict[str, _Test] = {}
     loops: dict[str, _Loop] = {}
     marks: dict[str, Callable[[], int]] = {}

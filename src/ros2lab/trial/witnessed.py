@@ -6,7 +6,7 @@ import ast
 import contextlib
 import os
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -48,7 +48,7 @@ def environ_in(folder: Path, root: Path, own: Mapping[str, str]) -> dict[str, st
         inner_folder.mkdir()
     (home / _PACKAGE).mkdir()
     (home / _PACKAGE / "__init__.py").touch()
-    for name in ("witness", "changes", "values"):
+    for name in ("witness", "changes", "sender", "values"):
         shutil.copyfile(Path(__file__).with_name(f"{name}.py"), home / _PACKAGE / f"{name}.py")
     (home / "sitecustomize.py").write_text(_BEGIN)
     path = os.pathsep.join(filter(None, (str(home), own.get("PYTHONPATH", ""))))
@@ -88,15 +88,16 @@ class Witnessed:
         return {source.at(line) for source, line in self.called}
 
 
-def witnessed(folder: Path, look: Look) -> Witnessed:
+def witnessed(folder: Path, look: Look, moving: Collection[Spot] | None = None) -> Witnessed:
     """Return what was noted.
 
     Args:
         folder: the folder with the notes.
         look: the workspace.
+        moving: the tests whose values still moved when the runs ended, of which nothing is said.
     """
-    record = Record(folder, look)
-    never = [*_never_true(record.tests)]
+    record = Record(folder, look, moving)
+    never = [*_never_true(record)]
     near, changed, steady = ([one for one, how in never if how == kind] for kind in ("near", "changed", ""))
     unreached = Unreached(record, look)
     hidden = [*swallowed(unreached)]
@@ -137,18 +138,18 @@ def _is_used_up(whole: Sequence[Any]) -> bool:
     return is_once and whole[0][0] > 0 and not any(done for done, *_ in whole[1:])
 
 
-def _never_true(tests: Mapping[Spot, Test]) -> Iterator[tuple[Finding, str]]:
+def _never_true(record: Record) -> Iterator[tuple[Finding, str]]:
     """Yield comparisons that were never true, and how far the two sides came: "near" each other, or "changed".
 
     Those with ==, and then the others, in the order of the files.
     """
     found = []
-    for place, test in tests.items():
+    for place, test in record.tests.items():
         source, line, node = place[0], place[1], node_at(place, ast.Compare)
         sides, near = [side.last for side in test.sides], test.near
         if not isinstance(node, ast.Compare) or test.held or test.failed < LEAST or "None" in sides:
             continue
-        if not near and is_coming(node, test, wanted=True):
+        if not near and is_coming(record, place, node, test, wanted=True):
             continue
         if len(sides) != 2 or isinstance(node.ops[0], _DENIALS) or _is_of_module(node):
             continue  # a guard that never fires is as it should be, and so is an imported module's __name__

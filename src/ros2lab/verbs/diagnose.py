@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 FOUND, USAGE_ERROR = 1, 2
 LONGEST = 10_000  # characters of a text that is shown
 _RUN_OFFER = "If a node does nothing, or the wrong thing, run the nodes too: ros2lab diagnose --run. "
+_RAN = (
+    "No certain fault was found by reading the files and running the nodes for a short time. What they did: "
+)
 
 
 def diagnose(
@@ -186,7 +189,7 @@ def _run(root: Path, read: Sequence[Finding]) -> tuple[Sequence[Finding], list[F
     return (
         trial.read,
         trial.findings,
-        f"It ran the installed nodes for a few seconds. {story}",
+        f"{_RAN if trial.untried else ''}{story} {trial.untried}".rstrip(),
         visible(story, LONGEST),
     )
 
@@ -219,7 +222,13 @@ def _show(findings: Sequence[Finding], looked_at: str) -> None:
     findings = merged(findings)
     console = Console(soft_wrap=not sys.stdout.isatty())
     if not findings:
-        console.print(Text(visible(f"Nothing was found. {looked_at}", LONGEST)))
+        console.print(
+            Text(
+                visible(
+                    looked_at if looked_at.startswith(_RAN) else f"Nothing was found. {looked_at}", LONGEST
+                )
+            )
+        )
         return
     # What is quoted of a file or a text gives the terminal no codes.
     told_of = {

@@ -54,6 +54,7 @@ class Given:
         types: what was given, each topic and service with its type.
         ungiven: what could not be given, such as an action, or what is of a type that is not here; in the same way.
         fatal: for each program that ended, in this order, what was given just before, by topic or service.
+        when: when what was given, each with the topic or service.
     """
 
     def __init__(
@@ -69,6 +70,7 @@ class Given:
         self.types: dict[str, str] = {}
         self.ungiven: dict[str, str] = {}
         self.fatal: list[dict[str, Any]] = []
+        self.when: list[tuple[float, str, Any]] = []
         self._watch, self._contents, self._calls, self._is_thorough = watch, contents, calls, is_thorough
         self._living, self._alive = programs, alive
         self._now = lambda: watch.node.get_clock().now().to_msg()
@@ -86,7 +88,7 @@ class Given:
     def told(self) -> dict[str, Any]:
         """Return what the grader is told of what was given."""
         types, ungiven = dict(sorted(self.types.items())), dict(sorted(self.ungiven.items()))
-        return {"given": [*types], "gave": types, "ungiven": ungiven, "fatal": self.fatal}
+        return {"given": [*types], "gave": types, "ungiven": ungiven, "fatal": self.fatal, "when": self.when}
 
     def handed_on(self, heard: Mapping[str, Mapping[str, Any]]) -> list[str]:
         """Return the topics on which nothing was heard but messages that were given, of the same type."""
@@ -220,6 +222,7 @@ class Given:
         filler.fill(message, self._counts[name])
         self._counts[name] += 1
         self._last[name] = plain(message)
+        self.when.append((time.monotonic(), name, self._last[name]))
         return message
 
 

@@ -20,6 +20,7 @@ JUMPS = 3
 MOST_LOOKS = 4  # at the graph for new topics
 SLOW = 5.0  # s, in which two messages of a 2.4 s timer come
 MANY = 12  # messages after which a topic is believed to go on
+TOO_LITTLE = "Too little comes on"
 UNEVEN = 0.45  # s, the largest difference between the gaps of one topic
 
 
@@ -201,7 +202,7 @@ def unfollowing(topics: Iterable[str]) -> str:
 
 def too_little(topics: Iterable[str]) -> str:
     """Say on which topic too few messages came to show that a program follows the stepped clock."""
-    return f"Too little comes on {min(topics)} to tell whether it follows the stepped clock."
+    return f"{TOO_LITTLE} {min(topics)} to tell whether it follows the stepped clock."
 
 
 def _is_doubtful(ear: Ear) -> bool:
