@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
-from ros2lab.diagnose.code.angles import angle_faults
+from ros2lab.diagnose.code.units import unit_faults
 from ros2lab.diagnose.finding import Finding
 
 NODE = """\
@@ -34,7 +34,7 @@ class Snail(Node):
 
 
 def told(line: str, folder: Path) -> list[Finding]:
-    return [*angle_faults(sources_of(NODE.replace("LINE", line), folder, "snail"))]
+    return [*unit_faults(sources_of(NODE.replace("LINE", line), folder, "snail"))]
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 
-from ros2lab.diagnose.code.angles import angle_faults
 from ros2lab.diagnose.code.argument_names import argument_name_faults
 from ros2lab.diagnose.code.bound_twice import bound_twice
 from ros2lab.diagnose.code.changed_loops import changed_loops
@@ -79,7 +78,7 @@ def _source_faults(sources: NodeSources, mains: list[str] | None) -> Iterator[Fi
         defined_once,
         line_end_faults,
         burst_faults,
-        *(flow_faults, unit_faults, angle_faults, lock_faults, use_faults, argument_name_faults),
+        *(flow_faults, unit_faults, lock_faults, use_faults, argument_name_faults),
         parameter_faults,
     ):
         yield from guarded(rule, sources)

@@ -1,0 +1,385 @@
+"""The kinds of quantities that fields of messages and functions hold, followed through a program."""
+
+from __future__ import annotations
+
+import ast
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+from ros2lab.diagnose.sources.kinds import Kinds, Scope
+from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    last_name,
+    own_nodes,
+)
+from ros2lab.diagnose.sources.static_value import UNKNOWN
+from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter, calls_in, own_parameters
+
+TIME, ANGLE, RATE, COMPONENT, HALF, SHARE, STICK = (
+    "time",
+    "angle",
+    "turn rate",
+    "component of a quaternion",
+    "half of the angle",
+    "fraction of the whole",
+    "fraction of the way of a stick",
+)
+DEGREE = math.pi / 180
+_ANY = 0.0  # an angle in radians or degrees, which is not known
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a number means.
+
+    Attributes:
+        unit: how much 1 is, in seconds, in radians, or of the whole.
+        bound: how large the quantity may be at most, in seconds, in radians, or of the whole.
+        part: the field of a time that holds only a part of it: "sec" or "nanosec"; empty for a whole time.
+        read: where it is read, with the names there; None if it is not read from one field.
+    """
+
+    kind: str
+    unit: float = 1.0
+    bound: float = math.inf
+    part: str = ""
+    read: tuple[Scope, ast.Attribute] | None = field(default=None, compare=False)
+
+    @property
+    def name(self) -> str:
+        """The unit in words; empty if it has none."""
+        names = UNITS.get(self.kind, {})
+        return next((name for unit, name in names.items() if is_same(unit, self.unit)), "")
+
+    def is_like(self, other: Quantity) -> bool:
+        """Return whether two quantities are of the same kind and unit."""
+        same = (self.kind, self.part) == (other.kind, other.part)
+        return same and (
+            self.unit == other.unit or (self.unit > 0 < other.unit and is_same(self.unit, other.unit))
+        )
+
+
+UNITS: Mapping[str, Mapping[float, str]] = {
+    TIME: {1e-9: "nanoseconds", 1e-6: "microseconds", 1e-3: "milliseconds", 1.0: "seconds"},
+    ANGLE: {1.0: "radians", DEGREE: "degrees"},
+    RATE: {1.0: "radians per second", DEGREE: "degrees per second"},
+}
+# A whole turn is the most that a message's angle needs; there is no need for more to tell degrees from radians.
+_TURN = Quantity(ANGLE, bound=2 * math.pi)
+_WHOLE = Quantity(SHARE, bound=1.0)
+# The fields of messages, by the class of the message.
+FIELDS: Mapping[str, Quantity] = {
+    **{f"Quaternion.{name}": Quantity(COMPONENT, bound=1.0) for name in "xyzw"},
+    **{f"LaserScan.angle_{name}": _TURN for name in ("min", "max", "increment")},
+    **dict.fromkeys(("Pose2D.theta", "Pose.theta", "Range.field_of_view"), _TURN),
+    **dict.fromkeys(
+        ("Spawn_Request.theta", "TeleportAbsolute_Request.theta", "RotateAbsolute_Goal.theta"), _TURN
+    ),
+    **{f"ColorRGBA.{name}": _WHOLE for name in "rgba"},
+    "BatteryState.percentage": _WHOLE,
+    "Joy.axes": Quantity(STICK, bound=1.0),
+    "NavSatFix.latitude": Quantity(ANGLE, DEGREE, math.pi / 2),
+    "NavSatFix.longitude": Quantity(ANGLE, DEGREE, math.pi),
+}
+_TIMES = {
+    "nanoseconds": Quantity(TIME, 1e-9),
+    "nanosec": Quantity(TIME, 1e-9, part="nanosec"),
+    "sec": Quantity(TIME, part="sec"),
+}
+_S, _NS, _RAD, _DEG = Quantity(TIME), Quantity(TIME, 1e-9), Quantity(ANGLE), Quantity(ANGLE, DEGREE)
+# What functions give, and what they take.
+_GIVEN: Mapping[str, Quantity] = {
+    **dict.fromkeys(("time.time", "time.monotonic", "time.perf_counter", "time.process_time"), _S),
+    **dict.fromkeys(("time.time_ns", "time.monotonic_ns", "time.perf_counter_ns"), _NS),
+    **dict.fromkeys(("math.radians", "numpy.radians", "numpy.deg2rad"), _RAD),
+    **dict.fromkeys(("math.degrees", "numpy.degrees", "numpy.rad2deg"), _DEG),
+    **dict.fromkeys(
+        ("math.atan2", "numpy.arctan2", "math.acos", "numpy.arccos"), Quantity(ANGLE, bound=math.pi)
+    ),
+    **dict.fromkeys(
+        ("math.asin", "numpy.arcsin", "math.atan", "numpy.arctan"), Quantity(ANGLE, bound=math.pi / 2)
+    ),
+}
+_SINES = [f"{library}.{name}" for library in ("math", "numpy") for name in ("sin", "cos", "tan")]
+TAKEN: Mapping[str, Quantity] = {
+    **dict.fromkeys((*_SINES, "math.degrees", "numpy.degrees", "numpy.rad2deg"), _RAD),
+    **dict.fromkeys(("math.radians", "numpy.radians", "numpy.deg2rad"), _DEG),
+    "time.sleep": _S,
+}
+INVERSE = re.compile(r"(math|numpy)\.(arc|a)(sin|cos|tan2?)")  # what makes an angle of sines and cosines
+_SAME = frozenset(("abs", "float", "int", "round", "max", "min"))  # these keep the unit of their argument
+# What the last word of a name says, where nothing else is known of it.
+_NAMED: Mapping[str, Quantity] = {
+    **dict.fromkeys(("yaw", "theta", "heading", "bearing", "angle"), Quantity(ANGLE, _ANY)),
+    **dict.fromkeys(("deg", "degs", "degrees"), _DEG),
+    **dict.fromkeys(("rad", "rads", "radians"), _RAD),
+    **dict.fromkeys(("ms", "msec", "msecs", "millis", "milliseconds"), Quantity(TIME, 1e-3)),
+}
+
+
+def named(node: ast.AST | str) -> Quantity | None:
+    """Return what the name of a variable says of its value; None if it says nothing."""
+    name = node if isinstance(node, str) else last_name(node)
+    return _NAMED.get(re.split(r"_|(?<=[a-z])(?=[A-Z])", name)[-1].lower()) if name else None
+
+
+def is_same(first: float, second: float) -> bool:
+    """Return whether two units are the same."""
+    return abs(first - second) < 1e-6 * second
+
+
+class Quantities:
+    """The quantities of the expressions of some sources."""
+
+    def __init__(self, sources: NodeSources) -> None:
+        self.sources, self.kinds = sources, Kinds(sources)
+        self._known: dict[int, Quantity | None] = {}
+        self._used: dict[int, Mapping[str, Quantity]] = {}
+        self._changed: dict[PythonSource, set[str]] = {}
+
+    def of(self, scope: Scope, node: ast.expr | None) -> Quantity | None:
+        """Return the quantity of an expression; None if nothing is known of it."""
+        if node is None:
+            return None
+        if id(node) not in self._known:
+            self._known[id(node)] = None  # what leads back to itself tells nothing
+            self._known[id(node)] = self._of(scope, node)
+        return self._known[id(node)]
+
+    def _of(self, scope: Scope, node: ast.expr) -> Quantity | None:
+        match node:
+            case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=inner):
+                return self.of(scope, inner)
+            case ast.Subscript(value=ast.Call(func=ast.Attribute(attr="seconds_nanoseconds"))):
+                return _TIMES.get({"0": "sec", "1": "nanosec"}.get(ast.unparse(node.slice), ""))
+            case ast.Subscript(value=ast.Attribute() as items):
+                return self.field(scope, items)
+            case ast.Call(func=ast.Name(id=name), args=[first, *more]) if name in _SAME:
+                kept = self.of(scope, first)
+                return kept if kept and (not more or kept.kind == TIME) else None
+            case ast.Call():
+                return self._result(scope, node)
+            case ast.BinOp():
+                return self._combined(scope, node)
+            case ast.Attribute() if found := self.field(scope, node):
+                return found
+            case ast.Attribute() | ast.Name():
+                return self._held(scope, node)
+        return None
+
+    def field(self, scope: Scope, node: ast.expr) -> Quantity | None:
+        """Return the quantity of a message's field, also of one that is written; None for any other expression."""
+        if not isinstance(node, ast.Attribute):
+            return None
+        found = _TIMES.get(node.attr) if isinstance(node.ctx, ast.Load) else None
+        if found is None and any(key.endswith(f".{node.attr}") for key in FIELDS):
+            kind, name = scope.kind(node.value), last_name(node.value)
+            if kind is None and self._is_quaternion(scope, node.value):
+                kind = "Quaternion"
+            found = FIELDS.get(f"{(kind or '').rpartition('.')[2]}.{node.attr}")
+            if found is None and name == "angular" and (kind or "").endswith(".Vector3"):
+                found = Quantity(RATE)
+        return replace(found, read=(scope, node)) if found else None
+
+    def _is_quaternion(self, scope: Scope, node: ast.expr, depth: int = 3) -> bool:
+        """Return whether a value of unknown type is surely a quaternion: a field of that name, or what was given."""
+        if scope.kind(node) == "geometry_msgs.msg.Quaternion":
+            return True
+        if isinstance(node, ast.Attribute) and node.attr in ("orientation", "rotation"):
+            is_own = any(f".{node.attr}" in name for name in scope.source.stored if name.count(".") == 1)
+            if not is_own:
+                return any("_msgs." in imported.target for imported in scope.source.imports)
+        given = self._values(scope, node) if isinstance(node, (ast.Name, ast.Attribute)) and depth else []
+        given = [row for row in given if not isinstance(row[1], ast.Constant)]
+        return bool(given) and all(v is not None and self._is_quaternion(s, v, depth - 1) for s, v in given)
+
+    def _values(self, scope: Scope, node: ast.Name | ast.Attribute) -> list[tuple[Scope, ast.expr | None]]:
+        """Return what a variable, an attribute or the parameter of a function is given, everywhere."""
+        if isinstance(node, ast.Attribute):
+            return scope.assigned(node)
+        function = scope.function
+        if function is None:
+            written = scope.source.written(node)
+            return [(scope, written)] if written is not node else []
+        values = [(scope, value) for value in self.kinds.locals_of(function).get(node.id, [])]
+        if any(parameter.arg == node.id for parameter in all_parameters(function)):
+            return values + self._passed(function, node.id)
+        if not values and (written := scope.source.written(node)) is not node:
+            return [(Scope(self.kinds, scope.source, None, None), written)]
+        return values
+
+    @cached_property
+    def _calls(self) -> Mapping[str, list[tuple[Scope, ast.Call]]]:
+        found: dict[str, list[tuple[Scope, ast.Call]]] = {}
+        for source in self.sources.sources.values():
+            for owner, function, node in self.sources.scoped(source):
+                if isinstance(node, ast.Call):
+                    scope = Scope(self.kinds, source, owner, function)
+                    found.setdefault(last_name(node.func), []).append((scope, node))
+        return found
+
+    def _passed(self, function: Function, name: str) -> list[tuple[Scope, ast.expr | None]]:
+        names = [parameter.arg for parameter in own_parameters(function)]
+        rows = self._calls.get(function.name, [])
+        return [(there, by_parameter(call, names).get(name)) for there, call in rows]
+
+    def _held(self, scope: Scope, node: ast.Name | ast.Attribute) -> Quantity | None:
+        """Return the quantity of a name, from all that it is given, from its uses, or from its name."""
+        text = ast.unparse(node)
+        if self.sources.resolve(scope.source, node) in ("math.pi", "numpy.pi"):
+            return Quantity(ANGLE, bound=math.pi)
+        if text in self._rescaled(scope.source):
+            return None
+        values = [
+            (there, value)
+            for there, value in self._values(scope, node)
+            if not (isinstance(value, ast.Constant) or self.number(there, value) is not None)
+            or (value is not None and self._has_pi(there, value))
+        ]
+        known = [self.of(there, value) if value is not None else None for there, value in values]
+        found = [quantity for quantity in known if quantity is not None]
+        if found:
+            first = found[0]
+            is_sure = len(found) == len(known) and all(map(first.is_like, found))
+            return replace(first, bound=max(q.bound for q in found)) if is_sure else None
+        said, used = named(node), self._uses(scope, node).get(text)
+        if used is None or self._has_sine(scope, values) or (said and said.unit):
+            return said
+        return used
+
+    def _has_pi(self, scope: Scope, value: ast.expr) -> bool:
+        return any(
+            self.sources.resolve(scope.source, inner) in ("math.pi", "numpy.pi")
+            for inner in ast.walk(value)
+            if isinstance(inner, (ast.Name, ast.Attribute))
+        )
+
+    def _has_sine(self, scope: Scope, values: Iterable[tuple[Scope, ast.expr | None]]) -> bool:
+        """Return whether a value is the sine of an angle: what is assigned anew may be each of both at its time."""
+        calls = (call for _, value in values if value is not None for call in calls_in(ast.walk(value)))
+        return any(self.function(scope, call) in _SINES for call in calls)
+
+    def _rescaled(self, source: PythonSource) -> set[str]:
+        """Return the names in a file whose values are changed by a factor."""
+        if source not in self._changed:
+            self._changed[source] = {
+                ast.unparse(node.target)
+                for node in source.nodes
+                if isinstance(node, ast.AugAssign) and not isinstance(node.op, (ast.Add, ast.Sub))
+            }
+        return self._changed[source]
+
+    def _uses(self, scope: Scope, node: ast.expr) -> Mapping[str, Quantity]:
+        """Return the names that a function, or its class for attributes, gives to functions that take angles."""
+        around = scope.owner.definition if scope.owner and is_self_attribute(node) else scope.function
+        if around is None:
+            return {}
+        if id(around) not in self._used:
+            found: dict[str, Quantity] = {}
+            for call in calls_in(ast.walk(around)):
+                taken = TAKEN.get(self.function(scope, call) or "")
+                if (
+                    taken
+                    and taken.kind == ANGLE
+                    and call.args
+                    and isinstance(call.args[0], (ast.Name, ast.Attribute))
+                ):
+                    text = ast.unparse(call.args[0])
+                    agrees = text not in found or found[text].is_like(taken)
+                    found[text] = taken if agrees else Quantity(ANGLE, _ANY)
+            self._used[id(around)] = found
+        return self._used[id(around)]
+
+    def function(self, scope: Scope, call: ast.Call) -> str:
+        """Return the full name of the function that is called; empty if it is not known."""
+        return self.sources.resolve(scope.source, call.func) or ""
+
+    def _result(self, scope: Scope, call: ast.Call) -> Quantity | None:
+        name = self.function(scope, call)
+        given = [self.of(scope, value) for value in call.args]
+        if INVERSE.fullmatch(name) and given and all(q == FIELDS["Quaternion.z"] for q in given):
+            return replace(given[0], kind=HALF, unit=1.0, bound=math.pi) if given[0] else None
+        if name in _GIVEN:
+            return _GIVEN[name]
+        own = self.own(scope, call)
+        if own is None or own.function is None:
+            return None
+        returned = [n.value for n in own_nodes(own.function) if isinstance(n, ast.Return)]
+        known = [self.of(own, value) for value in returned]
+        first = known[0] if known else None
+        return first if first and all(q is not None and first.is_like(q) for q in known) else None
+
+    def own(self, scope: Scope, call: ast.Call) -> Scope | None:
+        """Return the function of the sources that is called, as a scope; None if it is none of them."""
+        if is_self_attribute(call.func) and scope.owner:
+            for owner in self.sources.lineage(scope.owner)[0]:
+                if method := owner.methods.get(call.func.attr):
+                    return Scope(self.kinds, owner.source, owner, method)
+            return None
+        found = self.sources.functions.get(self.function(scope, call))
+        return Scope(self.kinds, found[0], None, found[1]) if found else None
+
+    def _combined(self, scope: Scope, node: ast.BinOp) -> Quantity | None:
+        if self.number(scope, node) is not None:
+            return Quantity(ANGLE) if self._has_pi(scope, node) and self._is_literal(node) else None
+        left, right = self.of(scope, node.left), self.of(scope, node.right)
+        match node.op:
+            case ast.Add() | ast.Sub():
+                if left and right:
+                    return replace(left, bound=left.bound + right.bound) if left.is_like(right) else None
+                one = left or right
+                return replace(one, bound=math.inf) if one and one.kind in (TIME, ANGLE) else None
+            case ast.Mult():
+                return self._scaled(left, self.number(scope, node.right)) or self._scaled(
+                    right, self.number(scope, node.left)
+                )
+            case ast.Div() | ast.FloorDiv():
+                factor = self.number(scope, node.right)
+                return self._scaled(left, 1 / factor) if factor else None
+        return None
+
+    @staticmethod
+    def _is_literal(node: ast.BinOp) -> bool:
+        """Return whether a number with pi is an angle, as pi / 2 is, but 180 / pi is not."""
+        return not isinstance(node.op, (ast.Div, ast.FloorDiv)) or "pi" not in ast.unparse(node.right)
+
+    @staticmethod
+    def _scaled(quantity: Quantity | None, factor: float | None) -> Quantity | None:
+        if quantity is None or not factor:
+            return None
+        if quantity.kind == HALF:
+            return Quantity(ANGLE, bound=2 * quantity.bound) if factor == 2 else None
+        unit = quantity.unit / abs(factor)
+        units = UNITS.get(quantity.kind, {})
+        return replace(quantity, unit=next((known for known in units if is_same(known, unit)), unit))
+
+    def number(self, scope: Scope, node: ast.expr | None, depth: int = 6) -> float | None:
+        """Return the value of a literal, a variable or a parameter's default; None if it is unknown."""
+        written = scope.source.written(node) if depth else None
+        match written:
+            case ast.Attribute(
+                attr="value",
+                value=ast.Call(func=ast.Attribute(attr="declare_parameter"), args=[_, default, *_]),
+            ):
+                written = default
+            case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as op, right=right):
+                one, other = self.number(scope, left, depth - 1), self.number(scope, right, depth - 1)
+                if one is None or other is None or (other == 0 and isinstance(op, ast.Div)):
+                    return None
+                return one * other if isinstance(op, ast.Mult) else one / other
+            case ast.UnaryOp(op=ast.USub(), operand=inner):
+                one = self.number(scope, inner, depth - 1)
+                return None if one is None else -one
+            case ast.Name() | ast.Attribute() if self.sources.resolve(scope.source, written) in (
+                "math.pi",
+                "numpy.pi",
+            ):
+                return math.pi
+        value = self.sources.value(scope.source, written)
+        is_number = value is not UNKNOWN and isinstance(value, (int, float)) and not isinstance(value, bool)
+        return float(value) if is_number else None
