@@ -11,7 +11,7 @@ from ros2lab.diagnose.checking.trials import type_of
 from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
-from ros2lab.diagnose.sources.answered import ACCEPTED, answered, ends_open
+from ros2lab.diagnose.sources.answered import ACCEPTED, answered, ends_open, response_fields
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.own_functions import own_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_bound, own_nodes, parameters
@@ -144,7 +144,8 @@ def _of_function(answering: _Answering) -> Finding | None:
     said = [f"`{ast.unparse(n.value)}`" if n.value and given == "bool" else given for n, given in refused]
     does = f"returns {in_a_row([*dict.fromkeys(said)])}" if said else "ends without a return"
     place = source.at(refused[0][0] if refused else function)
-    fix = answered(function, {node: given == "bool" for node, given in refused}, answer, is_open)
+    returns = {node: given == "bool" for node, given in refused}
+    fix = answered(function, returns, answer, is_open, response_fields(source, function))
     cause = f"{function.name}() {does}, but it must return {needed}."
     return Finding("made-wrong", cause, place, f"{fix}{answering.more}")
 

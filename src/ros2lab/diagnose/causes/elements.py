@@ -10,7 +10,7 @@ from ros2lab.diagnose.finding import these_lines
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.kinds import kind_within
-from ros2lab.diagnose.sources.python_source import given_to, last_name, own_nodes, parameters
+from ros2lab.diagnose.sources.python_source import assignments, given_to, last_name, own_nodes, parameters
 from ros2lab.diagnose.sources.spelling import nearest
 
 
@@ -90,10 +90,12 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
             f"{name}[{index}] can only replace an existing element, but {name} does not have that many yet."
         )
         return cause, _put(spot, asked, name)
-    made = [value for value in spot.assigned(name) if isinstance(value, (ast.List, ast.Tuple))]
-    count = f", which has {len(made[0].elts)} elements, starting at index 0" if len(made) == 1 else ""
+    length = _length(spot, asked.value)
+    count = f", which has {length} elements, counted from 0 to {length - 1}" if length else ""
     cause = f"{name}[{index}] asks for an element past the end of {name}{count}."
     if isinstance(asked.slice, ast.Constant):
+        if length and asked.slice.value == length:
+            return cause, f"write {name}[{length - 1}], or {name}[-1], for the last one"
         return _too_few(spot, name, index, cause)
     same = (
         n for n in spot.file.nodes if isinstance(n, ast.Subscript) and ast.unparse(n) == ast.unparse(asked)
@@ -102,6 +104,29 @@ def beyond(_match: re.Match[str], spot: Spot) -> tuple[str, str]:
     where = f" on {these_lines(lines)}" if len(lines) > 1 else ""
     fix = f"write {name}[{index} % len({name})]{where} to start again at the first one, or check `if {index} < len({name}):` first"
     return cause, fix
+
+
+def _length(spot: Spot, items: ast.expr) -> int:
+    """Return how many elements a list has wherever the file, or for a message's field the workspace, fills it; 0 if not known."""
+    field = (
+        f".{items.attr}" if isinstance(items, ast.Attribute) and kind_within(spot.file, items.value) else ""
+    )
+    made = spot.assigned(ast.unparse(items)) or [
+        value
+        for source in (spot.workspace if field else ())
+        for target, value in assignments(source.nodes)
+        if ast.unparse(target).endswith(field)
+    ]
+    lengths = set[int]()
+    for value in made:
+        match value:
+            case ast.List(elts=elts) | ast.Tuple(elts=elts):
+                lengths.add(len(elts))
+            case ast.BinOp(left=ast.List(elts=elts), op=ast.Mult(), right=ast.Constant(value=int(times))):
+                lengths.add(len(elts) * times)
+            case _:
+                return 0
+    return lengths.pop() if len(lengths) == 1 else 0
 
 
 def none_left(match: re.Match[str], spot: Spot) -> tuple[str, str]:

@@ -11,6 +11,7 @@ from ros2lab.diagnose.causes import python_values
 from ros2lab.diagnose.causes.elements import beyond, no_key, none_left, numbered, subscripted
 from ros2lab.diagnose.causes.guards import head
 from ros2lab.diagnose.causes.not_running import destroyed, not_running
+from ros2lab.diagnose.causes.unfit_parameters import unset
 from ros2lab.diagnose.checking.operands import held_in
 from ros2lab.diagnose.code.hidden_names import fix_of, known_names
 from ros2lab.diagnose.finding import SAID, Finding
@@ -279,8 +280,7 @@ _SAYINGS: tuple[_Saying, ...] = (
     ),
     (
         r"ParameterUninitializedException.*?(?P<name>[\w.]+)?$",
-        "The parameter {name} has a type but no value.",
-        "give declare_parameter a default, such as 0.5",
+        unset,
     ),
 )
 

@@ -184,7 +184,8 @@ class _Uses:
             return
         # An angle within half a turn may be compared with a whole one.
         most = max(known.bound, 2 * math.pi) if known.kind == ANGLE else known.bound
-        if not known.unit or abs(number) * known.unit <= most * 1.01:
+        is_more = known.unit and abs(number) * known.unit > most * 1.01
+        if not is_more or (known.kind not in (ANGLE, COMPONENT) and not self.quantities.is_kept(known)):
             return
         text, use = ast.unparse(side), f"`{ast.unparse(node)}` never changes"
         if known.kind == COMPONENT:
@@ -197,7 +198,11 @@ class _Uses:
         else:
             cause = f"{text} is never above {known.bound / known.unit:g}: it is {_said(known)}, so {use}."
             share = f"write {number / 100:g} instead of {ast.unparse(other)}"
-            fix = share if known.kind == SHARE else f"compare it with a number up to {known.bound / known.unit:g}"
+            fix = (
+                share
+                if known.kind == SHARE
+                else f"compare it with a number up to {known.bound / known.unit:g}"
+            )
             yield self._finding(node, cause, fix)
 
     def _put(self, node: ast.AST, target: ast.expr, value: ast.expr) -> Iterator[Finding]:
@@ -272,7 +277,7 @@ class _Uses:
         if wanted and wanted.kind == COMPONENT and (number or (known and known.kind == ANGLE)):
             text = ast.unparse(target)
             cause = f"{text} is a component of a quaternion: `{ast.unparse(node)}` does not turn it by {ast.unparse(value)}."
-            fix = f"keep the angle in a variable, add to it there, and write z = {self._math}sin(angle / 2) and w = {self._math}cos(angle / 2)"
+            fix = f"keep the angle in a variable, add to it there, and write z = {self._math('sin')}(angle / 2) and w = {self._math('cos')}(angle / 2)"
             yield self._finding(node, cause, fix)
 
     def _clash(
@@ -339,10 +344,7 @@ class _Uses:
             if side is left and isinstance(node.op, ast.Div):
                 continue
             if known and known.part == "sec" and is_step and not self._has("nanosec", known):
-                if (
-                    self.quantities.of(self.scope, other) is None
-                    and not isinstance(other, ast.Constant)
-                ):
+                if self.quantities.of(self.scope, other) is None and not isinstance(other, ast.Constant):
                     cause = f"{ast.unparse(side)} counts whole seconds only, so it is 0 or 1 for shorter times: `{ast.unparse(node)}` takes it for the whole time."
                     yield self._finding(node, cause, self._both(known))
 
@@ -374,8 +376,8 @@ class _Uses:
         scope, read = known.read or (self.scope, None)
         whole = ast.unparse(read.value) if read else "q"
         text = ast.unparse(read) if read else "q.z"
-        q, m = whole, self._math
-        yaw = f"{m}atan2(2 * ({q}.w * {q}.z + {q}.x * {q}.y), 1 - 2 * ({q}.y ** 2 + {q}.z ** 2))"
+        q = whole
+        yaw = f"{self._math('atan2')}(2 * ({q}.w * {q}.z + {q}.x * {q}.y), 1 - 2 * ({q}.y ** 2 + {q}.z ** 2))"
         if isinstance(node, ast.Assign) and value is read:
             why, instead = (
                 f"but {ast.unparse(node.targets[0])} is used as an angle",
@@ -393,7 +395,7 @@ class _Uses:
         text = ast.unparse(value)
         cause = f"{place} is a component of a quaternion, but {text}, which is put into it, is an angle."
         angle = self._call("radians", value) if known.unit == DEGREE else text
-        half = f"{self._math}sin({angle} / 2) and w = {self._math}cos({angle} / 2)"
+        half = f"{self._math('sin')}({angle} / 2) and w = {self._math('cos')}({angle} / 2)"
         fix = f"for a turn about z, write z = {half}, and leave x and y 0; for other turns, compute all four from the angles"
         return self._finding(node, cause, fix)
 
@@ -410,6 +412,7 @@ class _Uses:
                         and known.unit == 1.0
                         and not is_scaled
                         and text.lstrip().startswith("%")
+                        and self.quantities.is_kept(known)
                     ):
                         shown = ast.unparse(value)
                         cause = f"{shown} is {_said(known)}, but this text shows it as per cent."
@@ -430,14 +433,17 @@ class _Uses:
         return Finding("unit-mixed", cause, self.scope.source.at(node), fix)
 
     def _call(self, function: str, value: ast.expr) -> str:
-        """Return a call of a function of math as it is written in the file."""
-        return f"{self._math}{function}({ast.unparse(value)})"
+        """Return a call of a function of math as it is written in the file; of its inverse, what that takes."""
+        inverse = {"radians": "degrees", "degrees": "radians"}.get(function, "")
+        if isinstance(value, ast.Call) and last_name(value.func) == inverse and len(value.args) == 1:
+            return ast.unparse(value.args[0])
+        return f"{self._math(function)}({ast.unparse(value)})"
 
-    @property
-    def _math(self) -> str:
-        """What stands before a function of math in the file: nothing where these are imported by themselves."""
+    def _math(self, function: str) -> str:
+        """Return the name of a function of math in the file."""
         imports = self.scope.source.imports
-        return "" if any((i.target, i.local) == ("math.sin", "sin") for i in imports) else "math."
+        is_bare = any((i.target, i.local) == (f"math.{function}", function) for i in imports)
+        return function if is_bare else f"math.{function}"
 
 
 def _said(known: Quantity) -> str:

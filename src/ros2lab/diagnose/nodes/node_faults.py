@@ -16,7 +16,7 @@ from ros2lab.diagnose.nodes.super_order import SuperOrder
 from ros2lab.diagnose.nodes.taken_names import hidden_method, hiding_methods, taken_attributes
 from ros2lab.diagnose.nodes.unset_attributes import no_such_member
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.answered import plain_returns, unanswered
+from ros2lab.diagnose.sources.answered import plain_returns, response_fields, unanswered
 from ros2lab.diagnose.sources.calls import meant_call
 from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.construction import given_to_super, lost_constructor, super_call
@@ -260,7 +260,7 @@ def _unanswered(
     source: PythonSource, function: Function, what: str, answer: str, effect: str
 ) -> Iterator[Finding]:
     """Yield a callback that gives ROS no answer, or a plain value instead of one."""
-    if fix := unanswered(function, answer):
+    if fix := unanswered(function, answer, response_fields(source, function)):
         said = next(
             (f"{ast.unparse(n)[7:] or 'nothing'} on line {n.lineno}" for n in plain_returns(function)),
             "nothing",

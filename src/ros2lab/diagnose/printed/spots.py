@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -33,12 +33,14 @@ class Spot:
         source: the file; None if it cannot be read.
         is_innermost: whether the error was raised in this line itself, not in a library that it calls.
         part: the part of the line that Python marks.
+        workspace: the files of the workspace, as far as they are known.
     """
 
     source: PythonSource | None
     line: int
     is_innermost: bool = True
     part: str = ""
+    workspace: Collection[PythonSource] = ()
 
     @property
     def file(self) -> PythonSource:
@@ -110,7 +112,7 @@ def spot_at(place: str, look: Look) -> Spot:
     """Return the spot at a place such as `src/pk/pk/talk.py:12`; without a source if there is none."""
     file, _, line = place.rpartition(":")
     source = source_of(file, look) if line.isdigit() else None
-    return Spot(source, int(line) if source else 0)
+    return Spot(source, int(line) if source else 0, workspace=tuple(look.files))
 
 
 def source_of(shown: str, look: Look) -> PythonSource | None:

@@ -14,6 +14,7 @@ from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
+    assignments,
     last_name,
     own_nodes,
 )
@@ -208,7 +209,7 @@ class Quantities:
             return [(scope, written)] if written is not node else []
         values = [(scope, value) for value in self.kinds.locals_of(function).get(node.id, [])]
         if any(parameter.arg == node.id for parameter in all_parameters(function)):
-            return values + self._passed(function, node.id)
+            return values + self._passed(scope, function, node.id)
         if not values and (written := scope.source.written(node)) is not node:
             return [(Scope(self.kinds, scope.source, None, None), written)]
         return values
@@ -223,10 +224,11 @@ class Quantities:
                     found.setdefault(last_name(node.func), []).append((scope, node))
         return found
 
-    def _passed(self, function: Function, name: str) -> list[tuple[Scope, ast.expr | None]]:
+    def _passed(self, scope: Scope, function: Function, name: str) -> list[tuple[Scope, ast.expr | None]]:
         names = [parameter.arg for parameter in own_parameters(function)]
         rows = self._calls.get(function.name, [])
-        return [(there, by_parameter(call, names).get(name)) for there, call in rows]
+        # What only others call is given anything.
+        return [(there, by_parameter(call, names).get(name)) for there, call in rows] or [(scope, None)]
 
     def _held(self, scope: Scope, node: ast.Name | ast.Attribute) -> Quantity | None:
         """Return the quantity of a name, from all that it is given, from its uses, or from its name."""
@@ -263,6 +265,18 @@ class Quantities:
         """Return whether a value is the sine of an angle: what is assigned anew may be each of both at its time."""
         calls = (call for _, value in values if value is not None for call in calls_in(ast.walk(value)))
         return any(self.function(scope, call) in _SINES for call in calls)
+
+    def is_kept(self, known: Quantity) -> bool:
+        """Return whether no file puts more into a field than its message defines, or what is not known."""
+        name = known.read[1].attr if known.read else ""
+        scopes = [Scope(self.kinds, source, None, None) for source in self.sources.sources.values()]
+        puts = ((scope, pair) for scope in scopes for pair in assignments(scope.source.nodes))
+        numbers = [
+            self.number(scope, value)
+            for scope, (target, value) in puts
+            if getattr(target, "attr", "") == name
+        ]
+        return all(number is not None and abs(number) <= known.bound for number in numbers)
 
     def _rescaled(self, source: PythonSource) -> set[str]:
         """Return the names in a file whose values are changed by a factor."""
