@@ -122,7 +122,7 @@ def test_what_nothing_calls_is_begun_as_what_it_is(tmp_path: Path, made: str, me
     ("body", "fix"),
     [
         ("if request.data:\n    return False\nresponse.success = True\nreturn response", "write `return response` instead of what line 20 returns, with `response.success = False` above it"),
-        ("return True", "write `return response` instead of what line 19 returns, with True in the field of response for it"),
+        ("return True", "write `return response` instead of what line 19 returns, with `response.success = True` above it"),
         ("response.message = 'on'\nreturn 'off'", "write `return response` instead of what line 20 returns, with `response.message = 'off'` above it"),
         ("response.success = True\nreturn", "write `return response` instead of what line 20 returns"),
         ("response.success = True", "write `return response` as the last line of answer()"),

@@ -76,7 +76,7 @@ MANAGED = "from rclpy.lifecycle import LifecycleNode, TransitionCallbackReturn\n
     ("text", "error", "place", "fix"),
     [
         (f"{HEAD}{CLASS}{SERVICE}        response.success = True\n", "TypeError", "service.py:12", "write `return response` as the last line of go()"),
-        (f"{HEAD}{CLASS}{SERVICE}        return 'done'\n", "TypeError", "service.py:13", "write `return response` instead of what line 13 returns, with 'done' in the field of response for it"),
+        (f"{HEAD}{CLASS}{SERVICE}        return 'done'\n", "TypeError", "service.py:13", "write `return response` instead of what line 13 returns, with `response.message = 'done'` above it"),
         (f"{HEAD}{CLASS}{SERVICE}        return request\n", "TypeError", "service.py:13", "write `return response` instead of what line 13 returns"),
         (f"{HEAD}{MANAGED}        self.get_logger().info('x')\n", "AttributeError: 'NoneType' object has no attribute 'to_label'", "lifecycle/node.py:9", "write `return TransitionCallbackReturn.SUCCESS` as the last line of on_configure()"),
         (f"{HEAD}{MANAGED}        return True\n", "AttributeError: 'bool' object has no attribute 'to_label'", "lifecycle/node.py:10", "write `return TransitionCallbackReturn.SUCCESS` instead of what line 10 returns"),

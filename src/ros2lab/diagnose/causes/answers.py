@@ -144,8 +144,8 @@ def _of_function(answering: _Answering) -> Finding | None:
     said = [f"`{ast.unparse(n.value)}`" if n.value and given == "bool" else given for n, given in refused]
     does = f"returns {in_a_row([*dict.fromkeys(said)])}" if said else "ends without a return"
     place = source.at(refused[0][0] if refused else function)
-    returns = {node: given == "bool" for node, given in refused}
-    fix = answered(function, returns, answer, is_open, response_fields(source, function))
+    plain = {node: given == "bool" for node, given in refused}
+    fix = answered(function, plain, answer, is_open, response_fields(source, function))
     cause = f"{function.name}() {does}, but it must return {needed}."
     return Finding("made-wrong", cause, place, f"{fix}{answering.more}")
 

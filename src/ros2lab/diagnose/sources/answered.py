@@ -51,8 +51,7 @@ def answered(
 ) -> str:
     """Return what to write instead of each of some returns, by whether it says yes or no, and as the last line of an open end.
 
-    Args:
-        fields: the types of the answer's fields, by their names; empty if they are not known.
+    The types of the answer's fields, as far as they are known, tell where a literal belongs.
     """
     lines = dict[str, list[int]]()
     for node in sorted(returns, key=lambda node: node.lineno):

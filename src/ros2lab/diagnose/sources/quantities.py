@@ -57,12 +57,17 @@ class Quantity:
         names = UNITS.get(self.kind, {})
         return next((name for unit, name in names.items() if is_same(unit, self.unit)), "")
 
+    @property
+    def said(self) -> str:
+        """What it is, and how large it may be, in words."""
+        if self.kind == ANGLE:
+            return f"in {self.name}, and within {self.bound / self.unit:.3g}"
+        return f"a {self.kind}, from {0 if self.kind == SHARE else -1} to 1 by the definition of its message"
+
     def is_like(self, other: Quantity) -> bool:
         """Return whether two quantities are of the same kind and unit."""
         same = (self.kind, self.part) == (other.kind, other.part)
-        return same and (
-            self.unit == other.unit or (self.unit > 0 < other.unit and is_same(self.unit, other.unit))
-        )
+        return same and is_same(self.unit, other.unit)
 
 
 UNITS: Mapping[str, Mapping[float, str]] = {
@@ -131,7 +136,7 @@ def named(node: ast.AST | str) -> Quantity | None:
 
 def is_same(first: float, second: float) -> bool:
     """Return whether two units are the same."""
-    return abs(first - second) < 1e-6 * second
+    return abs(first - second) <= 1e-6 * second
 
 
 class Quantities:
@@ -153,25 +158,25 @@ class Quantities:
         return self._known[id(node)]
 
     def _of(self, scope: Scope, node: ast.expr) -> Quantity | None:
+        found = self.field(scope, node)
         match node:
             case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=inner):
-                return self.of(scope, inner)
+                found = self.of(scope, inner)
             case ast.Subscript(value=ast.Call(func=ast.Attribute(attr="seconds_nanoseconds"))):
-                return _TIMES.get({"0": "sec", "1": "nanosec"}.get(ast.unparse(node.slice), ""))
-            case ast.Subscript(value=ast.Attribute() as items):
-                return self.field(scope, items)
+                found = _TIMES.get({"0": "sec", "1": "nanosec"}.get(ast.unparse(node.slice), ""))
+            case ast.Subscript(value=items):
+                found = self.field(scope, items)
             case ast.Call(func=ast.Name(id=name), args=[first, *more]) if name in _SAME:
-                kept = self.of(scope, first)
-                return kept if kept and (not more or kept.kind == TIME) else None
+                found = self.of(scope, first)
+                # The least or the most of an angle and a number is a limit of another kind.
+                found = found if found and (not more or found.kind == TIME) else None
             case ast.Call():
-                return self._result(scope, node)
+                found = self._result(scope, node)
             case ast.BinOp():
-                return self._combined(scope, node)
-            case ast.Attribute() if found := self.field(scope, node):
-                return found
+                found = self._combined(scope, node)
             case ast.Attribute() | ast.Name():
-                return self._held(scope, node)
-        return None
+                found = found or self._held(scope, node)
+        return found
 
     def field(self, scope: Scope, node: ast.expr) -> Quantity | None:
         """Return the quantity of a message's field, also of one that is written; None for any other expression."""
@@ -268,6 +273,8 @@ class Quantities:
 
     def is_kept(self, known: Quantity) -> bool:
         """Return whether no file puts more into a field than its message defines, or what is not known."""
+        if known.kind in (ANGLE, COMPONENT):
+            return True
         name = known.read[1].attr if known.read else ""
         scopes = [Scope(self.kinds, source, None, None) for source in self.sources.sources.values()]
         puts = ((scope, pair) for scope in scopes for pair in assignments(scope.source.nodes))
