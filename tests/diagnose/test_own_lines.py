@@ -117,6 +117,11 @@ def test_the_text_of_a_refused_name(
         ("x = String()\n        x.data = self.get_parameter('rate').get_parameter_value()  # here", "AssertionError: The 'data' field must be of type 'str'", "write self.get_parameter('rate').value instead of self.get_parameter('rate').get_parameter_value()"),
         ("self.declare_parameter('rates', [1, 2.0])  # here", "TypeError: The given value is not a list of one of the allowed types '[1, 2.0]'.", "write [1.0, 2.0] instead of [1, 2.0]"),
         ("self.declare_parameter('rates', {'a': 1})  # here", "TypeError: The given value is not one of the allowed types '{'a': 1}'.", "write `self.declare_parameter('rates.a', 1)`: one parameter for each key"),
+        ("self.declare_parameter('rates', [[0.0, 1.0], [2.0, 3.0]])  # here", "TypeError: The given value is not a list of one of the allowed types '[[0.0, 1.0], [2.0, 3.0]]'.", "write [0.0, 1.0, 2.0, 3.0] instead of [[0.0, 1.0], [2.0, 3.0]], and take 2 values at a time"),
+        ("self.declare_parameter('rates', String())  # here", "TypeError: The given value is not one of the allowed types 'std_msgs.msg.String(data='')'.", "declare a parameter of its own for each number or text in String()"),
+        ("self.declare_parameter('name', Parameter.Type.STRING)\n        self.get_parameter('name')  # here", "rclpy.exceptions.ParameterUninitializedException: The parameter 'name' is not initialized: name", "write a default of this type, such as 'a', instead of Parameter.Type.STRING"),
+        ("self.declare_parameter('name', Parameter.Type.DOUBLE_ARRAY)\n        self.get_parameter('name')  # here", "rclpy.exceptions.ParameterUninitializedException: The parameter 'name' is not initialized: name", "write a default of this type, such as [0.5], instead of"),
+        ("self.names = ['a'] * 6\n        x = self.names[6]  # here", "IndexError: list index out of range", "write self.names[5], or self.names[-1], for the last one"),
     ],
 )  # fmt: skip
 def test_values_of_parameters(root: Path, lines: str, error: str, fix: str) -> None:
