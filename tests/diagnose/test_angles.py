@@ -44,6 +44,7 @@ def told(line: str, folder: Path) -> list[Finding]:
         ("self.pose.pose.orientation.z = self.degrees", "math.sin(math.radians(self.degrees) / 2)"),
         ("t = TransformStamped(); t.transform.rotation.z = math.atan2(1.0, 2.0)", "math.sin(math.atan2(1.0, 2.0) / 2)"),
         ("q = Quaternion(x=0.0, y=0.0, z=self.heading, w=1.0)", "math.sin(self.heading / 2)"),
+        ("self.turned = math.pi / 2; self.turned += twist.angular.z * 0.1; self.pose.pose.orientation.z = self.turned", "math.sin(self.turned / 2)"),
         ("yaw = math.radians(30); q = Quaternion(); q.w = yaw", "math.sin(yaw / 2)"),
         ("yaw = msg.pose.orientation.z; self.x = math.cos(yaw)", "write yaw = math.atan2("),
     ],

@@ -146,7 +146,7 @@ class Quantities:
         self.sources, self.kinds = sources, Kinds(sources)
         self._known: dict[int, Quantity | None] = {}
         self._used: dict[int, Mapping[str, Quantity]] = {}
-        self._changed: dict[PythonSource, set[str]] = {}
+        self._changed: dict[PythonSource, tuple[set[str], set[int]]] = {}
 
     def of(self, scope: Scope, node: ast.expr | None) -> Quantity | None:
         """Return the quantity of an expression; None if nothing is known of it."""
@@ -240,24 +240,28 @@ class Quantities:
         text = ast.unparse(node)
         if self.sources.resolve(scope.source, node) in ("math.pi", "numpy.pi"):
             return Quantity(ANGLE, bound=math.pi)
-        if text in self._rescaled(scope.source):
+        scaled, added = self._stepped(scope.source)
+        if text in scaled:
             return None
-        values = [
-            (there, value)
-            for there, value in self._values(scope, node)
-            if not (isinstance(value, ast.Constant) or self.number(there, value) is not None)
-            or (value is not None and self._has_pi(there, value))
-        ]
+        rows = self._values(scope, node)
+        values = [row for row in rows if id(row[1]) not in added and not self._is_start(*row)]
         known = [self.of(there, value) if value is not None else None for there, value in values]
         found = [quantity for quantity in known if quantity is not None]
         if found:
             first = found[0]
             is_sure = len(found) == len(known) and all(map(first.is_like, found))
-            return replace(first, bound=max(q.bound for q in found)) if is_sure else None
+            is_summed = any(id(value) in added for _, value in rows)
+            bound = math.inf if is_summed else max(quantity.bound for quantity in found)
+            return replace(first, bound=bound) if is_sure else None
         said, used = named(node), self._uses(scope, node).get(text)
         if used is None or self._has_sine(scope, values) or (said and said.unit):
             return said
         return used
+
+    def _is_start(self, scope: Scope, value: ast.expr | None) -> bool:
+        """Return whether a value is a plain number or None, with which a name begins whatever it holds later."""
+        is_plain = isinstance(value, ast.Constant) or self.number(scope, value) is not None
+        return is_plain and value is not None and not self._has_pi(scope, value)
 
     def _has_pi(self, scope: Scope, value: ast.expr) -> bool:
         return any(
@@ -285,14 +289,13 @@ class Quantities:
         ]
         return all(number is not None and abs(number) <= known.bound for number in numbers)
 
-    def _rescaled(self, source: PythonSource) -> set[str]:
-        """Return the names in a file whose values are changed by a factor."""
+    def _stepped(self, source: PythonSource) -> tuple[set[str], set[int]]:
+        """Return the names in a file whose values are changed by a factor, and the `id` of what is only added to a name."""
         if source not in self._changed:
-            self._changed[source] = {
-                ast.unparse(node.target)
-                for node in source.nodes
-                if isinstance(node, ast.AugAssign) and not isinstance(node.op, (ast.Add, ast.Sub))
-            }
+            steps = [node for node in source.nodes if isinstance(node, ast.AugAssign)]
+            added = [node for node in steps if isinstance(node.op, (ast.Add, ast.Sub))]
+            scaled = {ast.unparse(node.target) for node in steps if node not in added}
+            self._changed[source] = scaled, {id(node.value) for node in added}
         return self._changed[source]
 
     def _uses(self, scope: Scope, node: ast.expr) -> Mapping[str, Quantity]:
