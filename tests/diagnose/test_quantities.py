@@ -138,6 +138,8 @@ def test_what_is_taken_for_another_quantity(tmp_path: Path, place: str, lines: s
         ("ODOM", "rotation = math.radians(self.x)\n        self.low = math.cos(rotation)", "pass"),
         ("BAT", "out = BatteryState(); out.percentage = float(len(self.name))\n        if msg.percentage < 20.0: pass", "pass"),
         ("HELP", "q = math.radians(q)", "pass"),
+        ("POSE", "self.sec = 5\n        self.x += self.speed * (self.sec - 1)", "pass"),
+        ("POSE", "if msg.header.stamp.nanosec != self.last.nanosec: pass", "pass"),
         ("POSE", "a = math.atan2(1.0, 2.0); a += 2 * math.pi * len(self.name)\n        if a > 90: pass", "pass"),
     ],
 )  # fmt: skip

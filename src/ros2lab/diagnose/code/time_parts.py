@@ -39,6 +39,9 @@ def whole_seconds(
     known, difference = quantities.of(scope, step), scope.source.written(step)
     if not known or known.part != "sec" or not isinstance(difference, ast.BinOp):
         return
+    sides = [quantities.of(scope, side) for side in (difference.left, difference.right)]
+    if any(side is None or side.part != "sec" for side in sides):
+        return
     is_scaled = isinstance(other, ast.Constant) or quantities.of(scope, other)
     if not is_scaled and not _has("nanosec", scope, known):
         cause = f"{ast.unparse(step)} counts whole seconds only, so it is 0 or 1 for shorter times: `{ast.unparse(node)}` takes it for the whole time."
@@ -53,8 +56,8 @@ def _both(node: ast.expr, sides: tuple[ast.expr, ast.expr], unit: float) -> str:
         for side in sides
     ]
     owners = [ast.unparse(read.value) for read in reads if isinstance(read, ast.Attribute)]
-    if len(owners) < 2:
-        return f"use both parts, as in {''.join(owners[:1]) or 'stamp'}.sec + {''.join(owners[:1]) or 'stamp'}.nanosec / 1e9"
+    if len(owners) < 2 or "self" in owners:
+        return "use both parts of each time, as in stamp.sec + stamp.nanosec / 1e9"
     parts = [f"({owners[0]}.{part} - {owners[1]}.{part})" for part in ("sec", "nanosec")]
     is_fine = unit < 1e-6 and isinstance(node, ast.BinOp)
     whole = f"{parts[0]} * 1e9 + {parts[1]}" if is_fine else f"{parts[0]} + {parts[1]} / 1e9"

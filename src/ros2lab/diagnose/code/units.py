@@ -20,15 +20,15 @@ from ros2lab.diagnose.sources.quantities import (
     ANGLE,
     COMPONENT,
     DEGREE,
-    FIELDS,
     HALF,
-    INVERSE,
     RATE,
     SHARE,
     TAKEN,
     TIME,
     Quantities,
     Quantity,
+    field_of,
+    makes_angle,
     named,
 )
 from ros2lab.diagnose.sources.signatures import signature_of
@@ -146,10 +146,11 @@ class _Uses:
         """Yield what a call gives as something else to a function, a message or a function of the workspace."""
         if (wanted := TAKEN.get(self.quantities.function(self.scope, call))) and len(call.args) == 1:
             yield from self._taken(call, call.args[0], wanted)
-        kind = (self.scope.kind(call.func) or "").removeprefix(CLASS).rpartition(".")[2]
+        kind = (self.scope.kind(call.func) or "").removeprefix(CLASS)
         for keyword in call.keywords:
-            if wanted := FIELDS.get(f"{kind}.{keyword.arg}"):
-                yield from self._written(call, f"{keyword.arg} of this {kind}", keyword.value, wanted)
+            if wanted := field_of(kind, keyword.arg):
+                place = f"{keyword.arg} of this {kind.rpartition('.')[2]}"
+                yield from self._written(call, place, keyword.value, wanted)
         own = self.quantities.own(self.scope, call)
         if own and own.function:
             for name, value in by_parameter(call, [p.arg for p in own_parameters(own.function)]).items():
@@ -172,7 +173,8 @@ class _Uses:
             if first.unit > second.unit and first.kind == second.kind:
                 left, right, first, second = right, left, second, first
             yield from self._clash(node, left, first, ast.unparse(right), second)
-            yield from part_faults(self.quantities, self.scope, node, (left, right))
+            is_whole = isinstance(node, ast.Compare) and not isinstance(node.ops[0], _ORDERS)
+            yield from () if is_whole else part_faults(self.quantities, self.scope, node, (left, right))
         for side, other, known, its in ((left, right, first, second), (right, left, second, first)):
             value = self.quantities.number(self.scope, other) if its is None else None
             if known and known.kind == TIME and value and abs(value) * known.unit < _TOO_SHORT:
@@ -195,7 +197,7 @@ class _Uses:
             return
         fix = f"write a number up to {known.bound / known.unit:g} instead of {against}"
         if known.kind == SHARE:
-            fix = f"write {number / 100:g} instead of {against}"
+            fix = f"write {number / _most_of(text):.3g} instead of {against}"
         elif known.unit == 1.0 and known.kind == ANGLE:
             fix = self._in_radians(other)
         yield self._finding(node, f"{text} is {known.said}, so `{ast.unparse(node)}` never changes.", fix)
@@ -235,7 +237,7 @@ class _Uses:
                 yield angle_put(self.scope.source, node, place, value, angle)
                 return
             if wanted.kind == SHARE:
-                fix = f"write {number / (100 if 'percentage' in place else 255):.3g} instead of {text}"
+                fix = f"write {number / _most_of(place):.3g} instead of {text}"
             elif wanted.kind == ANGLE and wanted.unit == 1.0:
                 fix = self._in_radians(value)
             yield self._finding(node, f"{place} is {wanted.said}, so it is never as much as {text}.", fix)
@@ -310,12 +312,17 @@ class _Uses:
         return Finding("unit-mixed", cause, self.scope.source.at(node), fix)
 
 
+def _most_of(place: str) -> int:
+    """Return what the whole is where someone does not write it as 1: 100 per cent, or the 255 of a color."""
+    return 100 if "percentage" in place else 255
+
+
 def _is_passed_on(name: str, home: PythonSource) -> bool:
-    """Return whether a file makes an angle of what a name holds, or puts it into a quaternion."""
+    """Return whether a file makes an angle of what a name holds, or puts it into a quaternion again."""
     for node in home.nodes:
         given: list[ast.expr] = []
         match node:
-            case ast.Call(args=args, keywords=keywords) if INVERSE.fullmatch(home.resolve(node.func) or ""):
+            case ast.Call(args=args, keywords=keywords) if makes_angle(home.resolve(node.func)):
                 given = args
             case ast.Call(args=args, keywords=keywords):
                 given = [*args, *(k.value for k in keywords)] if "uat" in ast.unparse(node.func) else []

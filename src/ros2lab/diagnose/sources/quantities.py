@@ -98,26 +98,30 @@ _TIMES = {
     "sec": Quantity(TIME, part="sec"),
 }
 _S, _NS, _RAD, _DEG = Quantity(TIME), Quantity(TIME, 1e-9), Quantity(ANGLE), Quantity(ANGLE, DEGREE)
-# What functions give, and what they take.
+_TURNS = {"atan2": 1.0, "acos": 1.0, "asin": 0.5, "atan": 0.5}  # how much they give at most, as a part of pi
+# What functions give, and what they take; those of NumPy count as those of math.
 _GIVEN: Mapping[str, Quantity] = {
     **dict.fromkeys(("time.time", "time.monotonic", "time.perf_counter", "time.process_time"), _S),
     **dict.fromkeys(("time.time_ns", "time.monotonic_ns", "time.perf_counter_ns"), _NS),
-    **dict.fromkeys(("math.radians", "numpy.radians", "numpy.deg2rad"), _RAD),
-    **dict.fromkeys(("math.degrees", "numpy.degrees", "numpy.rad2deg"), _DEG),
-    **dict.fromkeys(
-        ("math.atan2", "numpy.arctan2", "math.acos", "numpy.arccos"), Quantity(ANGLE, bound=math.pi)
-    ),
-    **dict.fromkeys(
-        ("math.asin", "numpy.arcsin", "math.atan", "numpy.arctan"), Quantity(ANGLE, bound=math.pi / 2)
-    ),
+    **{f"math.{name}": Quantity(ANGLE, bound=part * math.pi) for name, part in _TURNS.items()},
+    "math.radians": _RAD,
+    "math.degrees": _DEG,
 }
-_SINES = [f"{library}.{name}" for library in ("math", "numpy") for name in ("sin", "cos", "tan")]
+_SINES = ("math.sin", "math.cos", "math.tan")
 TAKEN: Mapping[str, Quantity] = {
-    **dict.fromkeys((*_SINES, "math.degrees", "numpy.degrees", "numpy.rad2deg"), _RAD),
-    **dict.fromkeys(("math.radians", "numpy.radians", "numpy.deg2rad"), _DEG),
+    **dict.fromkeys((*_SINES, "math.degrees"), _RAD),
+    "math.radians": _DEG,
     "time.sleep": _S,
 }
-INVERSE = re.compile(r"(math|numpy)\.(arc|a)(sin|cos|tan2?)")  # what makes an angle of sines and cosines
+_NUMPY = {
+    "deg2rad": "radians",
+    "rad2deg": "degrees",
+    "arctan2": "atan2",
+    "arctan": "atan",
+    "arcsin": "asin",
+    "arccos": "acos",
+}
+_PI = ("math.pi", "numpy.pi")
 _SAME = frozenset(("abs", "float", "int", "round", "max", "min"))  # these keep the unit of their argument
 # What the last word of a name says, where nothing else is known of it.
 _NAMED: Mapping[str, Quantity] = {
@@ -128,10 +132,28 @@ _NAMED: Mapping[str, Quantity] = {
 }
 
 
+def field_of(kind: str | None, name: str | None) -> Quantity | None:
+    """Return the quantity of a field of a message, which is named as its class is; None if nothing is known of it."""
+    package, _, message = (kind or "").partition(".")
+    is_standard = package in ("geometry_msgs", "sensor_msgs", "std_msgs", "turtlesim")
+    return FIELDS.get(f"{message.rpartition('.')[2]}.{name}") if is_standard else None
+
+
 def named(node: ast.AST | str) -> Quantity | None:
     """Return what the name of a variable says of its value; None if it says nothing."""
     name = node if isinstance(node, str) else last_name(node)
     return _NAMED.get(re.split(r"_|(?<=[a-z])(?=[A-Z])", name)[-1].lower()) if name else None
+
+
+def _of_math(name: str | None) -> str:
+    """Return the name of a function, that of math for one of NumPy."""
+    module, _, own = (name or "").rpartition(".")
+    return f"math.{_NUMPY.get(own, own)}" if module == "numpy" else name or ""
+
+
+def makes_angle(name: str | None) -> bool:
+    """Return whether a function makes an angle of its sine, cosine or tangent."""
+    return _of_math(name).removeprefix("math.") in _TURNS
 
 
 def is_same(first: float, second: float) -> bool:
@@ -182,12 +204,13 @@ class Quantities:
         """Return the quantity of a message's field, also of one that is written; None for any other expression."""
         if not isinstance(node, ast.Attribute):
             return None
-        found = _TIMES.get(node.attr) if isinstance(node.ctx, ast.Load) else None
+        is_read = isinstance(node.ctx, ast.Load) and not is_self_attribute(node)
+        found = _TIMES.get(node.attr) if is_read else None
         if found is None and any(key.endswith(f".{node.attr}") for key in FIELDS):
             kind, name = scope.kind(node.value), last_name(node.value)
             if kind is None and self._is_quaternion(scope, node.value):
-                kind = "Quaternion"
-            found = FIELDS.get(f"{(kind or '').rpartition('.')[2]}.{node.attr}")
+                kind = "geometry_msgs.msg.Quaternion"
+            found = field_of(kind, node.attr)
             if found is None and name == "angular" and (kind or "").endswith(".Vector3"):
                 found = Quantity(RATE)
         return replace(found, read=(scope, node)) if found else None
@@ -238,7 +261,7 @@ class Quantities:
     def _held(self, scope: Scope, node: ast.Name | ast.Attribute) -> Quantity | None:
         """Return the quantity of a name, from all that it is given, from its uses, or from its name."""
         text = ast.unparse(node)
-        if self.sources.resolve(scope.source, node) in ("math.pi", "numpy.pi"):
+        if self.sources.resolve(scope.source, node) in _PI:
             return Quantity(ANGLE, bound=math.pi)
         scaled, added = self._stepped(scope.source)
         if text in scaled:
@@ -265,7 +288,7 @@ class Quantities:
 
     def _has_pi(self, scope: Scope, value: ast.expr) -> bool:
         return any(
-            self.sources.resolve(scope.source, inner) in ("math.pi", "numpy.pi")
+            self.sources.resolve(scope.source, inner) in _PI
             for inner in ast.walk(value)
             if isinstance(inner, (ast.Name, ast.Attribute))
         )
@@ -320,13 +343,13 @@ class Quantities:
         return self._used[id(around)]
 
     def function(self, scope: Scope, call: ast.Call) -> str:
-        """Return the full name of the function that is called; empty if it is not known."""
-        return self.sources.resolve(scope.source, call.func) or ""
+        """Return the full name of the function that is called, that of math for one of NumPy; empty if it is not known."""
+        return _of_math(self.sources.resolve(scope.source, call.func))
 
     def _result(self, scope: Scope, call: ast.Call) -> Quantity | None:
         name = self.function(scope, call)
         given = [self.of(scope, value) for value in call.args]
-        if INVERSE.fullmatch(name) and given and all(q == FIELDS["Quaternion.z"] for q in given):
+        if makes_angle(name) and given and all(q == FIELDS["Quaternion.z"] for q in given):
             return replace(given[0], kind=HALF, unit=1.0, bound=math.pi) if given[0] else None
         if name in _GIVEN:
             return _GIVEN[name]
@@ -399,10 +422,7 @@ class Quantities:
             case ast.UnaryOp(op=ast.USub(), operand=inner):
                 one = self.number(scope, inner, depth - 1)
                 return None if one is None else -one
-            case ast.Name() | ast.Attribute() if self.sources.resolve(scope.source, written) in (
-                "math.pi",
-                "numpy.pi",
-            ):
+            case ast.Name() | ast.Attribute() if self.sources.resolve(scope.source, written) in _PI:
                 return math.pi
         value = self.sources.value(scope.source, written)
         is_number = value is not UNKNOWN and isinstance(value, (int, float)) and not isinstance(value, bool)
