@@ -31,7 +31,9 @@ def angle_put(source: PythonSource, node: ast.AST, place: str, value: ast.expr, 
     cause = f"{place} is a component of a quaternion, but {text}, which is put into it, is an angle."
     angle = called(source, "radians", value) if known.unit == DEGREE else text
     half = f"{of_math(source, 'sin')}({angle} / 2) and w = {of_math(source, 'cos')}({angle} / 2)"
-    fix = f"for a turn about z, write z = {half}, and leave x and y 0; for other turns, compute all four from the angles"
+    axis = next((one for one in "xy" if place.endswith(f".{one}") or place.startswith(f"{one} of ")), "z")
+    others = "xyz".replace(axis, "")
+    fix = f"for a turn about {axis}, write {axis} = {half}, and leave {others[0]} and {others[1]} 0; for other turns, compute all four from the angles{also(source)}"
     return Finding("unit-mixed", cause, source.at(node), fix)
 
 
@@ -53,6 +55,14 @@ def called(source: PythonSource, function: str, value: ast.expr) -> str:
 
 
 def of_math(source: PythonSource, function: str) -> str:
-    """Return the name of a function of math in a file."""
-    is_bare = any((i.target, i.local) == (f"math.{function}", function) for i in source.imports)
-    return function if is_bare else f"math.{function}"
+    """Return the name of a function of math in a file, or that of NumPy in one that imports this alone."""
+    names = {imported.target: imported.local for imported in source.imports}
+    if "math" not in names and "numpy" in names:
+        return f"{names['numpy']}.{function.replace('atan', 'arctan')}"
+    return names.get(f"math.{function}", f"math.{function}")
+
+
+def also(source: PythonSource) -> str:
+    """Return the import that functions of math need in a file; empty if it has one."""
+    has_one = any(imported.target.partition(".")[0] in ("math", "numpy") for imported in source.imports)
+    return "" if has_one else ", with `import math` at the top"

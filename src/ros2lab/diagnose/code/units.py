@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-from ros2lab.diagnose.code.components import added, angle_put, called, read_as_angle
+from ros2lab.diagnose.code.components import added, also, angle_put, called, read_as_angle
 from ros2lab.diagnose.code.time_parts import part_faults, whole_seconds
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.commented_out import comments_in
@@ -200,7 +200,9 @@ class _Uses:
             fix = f"write {number / _most_of(text):.3g} instead of {against}"
         elif known.unit == 1.0 and known.kind == ANGLE:
             fix = self._in_radians(other)
-        yield self._finding(node, f"{text} is {known.said}, so `{ast.unparse(node)}` never changes.", fix)
+        yield self._finding(
+            node, f"{text} is {known.said}: with such values, `{ast.unparse(node)}` never changes.", fix
+        )
 
     def _put(self, node: ast.AST, target: ast.expr, value: ast.expr) -> Iterator[Finding]:
         """Yield what is assigned to a field or to a name that means something else."""
@@ -306,7 +308,8 @@ class _Uses:
             yield self._finding(call, cause, fix)
 
     def _in_radians(self, value: ast.expr) -> str:
-        return f"write {called(self.scope.source, 'radians', value)} instead of {ast.unparse(value)}"
+        source = self.scope.source
+        return f"write {called(source, 'radians', value)} instead of {ast.unparse(value)}{also(source)}"
 
     def _finding(self, node: ast.AST, cause: str, fix: str) -> Finding:
         return Finding("unit-mixed", cause, self.scope.source.at(node), fix)
