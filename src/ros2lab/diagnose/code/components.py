@@ -21,7 +21,10 @@ def read_as_angle(scope: Scope, node: ast.AST, known: Quantity, why: str) -> Fin
         why, instead = f"but {target} is used as an angle", f"{target} = {yaw}"
     cause = f"{text} is a component of a quaternion, never above 1 and no angle, {why}."
     return Finding(
-        "unit-mixed", cause, there.source.at(read or node), f"for the angle about z, write {instead}"
+        "unit-mixed",
+        cause,
+        there.source.at(read or node),
+        f"for the angle about z, write {instead}{also(there.source)}",
     )
 
 
