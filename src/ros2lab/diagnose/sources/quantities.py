@@ -156,6 +156,10 @@ def makes_angle(name: str | None) -> bool:
     return _of_math(name).removeprefix("math.") in _TURNS
 
 
+def _names_in(value: ast.expr) -> list[ast.expr]:
+    return [node for node in ast.walk(value) if isinstance(node, (ast.Name, ast.Attribute))]
+
+
 def is_same(first: float, second: float) -> bool:
     """Return whether two units are the same."""
     return abs(first - second) <= 1e-6 * second
@@ -237,7 +241,7 @@ class Quantities:
             return [(scope, written)] if written is not node else []
         values = [(scope, value) for value in self.kinds.locals_of(function).get(node.id, [])]
         if any(parameter.arg == node.id for parameter in all_parameters(function)):
-            return values + self._passed(scope, function, node.id)
+            return values + self._passed(scope, function, node.id) + [(scope, None)] * bool(values)
         if not values and (written := scope.source.written(node)) is not node:
             return [(Scope(self.kinds, scope.source, None, None), written)]
         return values
@@ -270,6 +274,12 @@ class Quantities:
         values = [row for row in rows if id(row[1]) not in added and not self._is_start(*row)]
         known = [self.of(there, value) if value is not None else None for there, value in values]
         found = [quantity for quantity in known if quantity is not None]
+        # What is made of the name's own value, as by radians(), is another quantity before and after that.
+        if any(
+            quantity and value and text in map(ast.unparse, _names_in(value))
+            for quantity, (_, value) in zip(known, values, strict=True)
+        ):
+            return None
         if found:
             first = found[0]
             is_sure = len(found) == len(known) and all(map(first.is_like, found))
