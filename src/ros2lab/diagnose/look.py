@@ -121,9 +121,8 @@ class Look:
         self.root, self.environ = root or Path(), environ
         self.packages, self.passed_over = discover(root) if root else ([], [])
         # Python, setuptools and launch would read them to an end that never comes.
-        self._endless = [
-            path for package in self.packages for path in package.own_files() if is_endless(path)
-        ]
+        own = (path for package in self.packages for path in package.own_files())
+        self._endless = [path for path in own if is_endless(path)]
         self.loads = loads and not self._endless
         for package in self.packages:
             package.is_run = (loads if runs is None else runs) and not self._endless

@@ -22,9 +22,7 @@ KEYBOARD = "a keyboard"  # which nobody uses during grading
 # The beginnings of what is said of a package that is built, or passed over, as one of another type.
 OTHER_TYPE = ("colcon does not take it for an ament_python package", "colcon lists it as ")
 NO_WORD = "colcon ended without an error, and nothing was installed."  # as the error of a build
-DOCUMENTED = (
-    "documented"  # the setting of a run of a silent program with the parameters that the README gives it
-)
+DOCUMENTED = "documented"  # the setting of a run of a silent program with the parameters of the README
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
 
 
@@ -109,8 +107,7 @@ class Files:
         ends_left: the same without the code of which the findings say that it is in vain; empty if that changes none.
         ends_elsewhere: those that the rest of the submission may create, on unknown topics; None if not
             known.
-        contents: the `words` and `numbers` that the code compares what comes with, by the last part of the
-            topic's name; under an empty name those for any other.
+        contents: the `words` and `numbers` that the code compares, by the topic's last part; under "" for any other.
         declared: the parameters that the code declares, with their defaults; None for an unknown default.
         notes: what was not looked at, and why.
         unread: the facts that are empty because our reader failed, and why it did.

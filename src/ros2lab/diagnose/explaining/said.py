@@ -37,7 +37,7 @@ from ros2lab.diagnose.printed.transcript import (
     without_data,
 )
 from ros2lab.diagnose.sources.python_source import read_source, read_text
-from ros2lab.diagnose.sources.spelling import did_you_mean, nearest
+from ros2lab.diagnose.sources.spelling import did_you_mean, has_form_of, nearest
 
 _USAGE = re.compile(r"^(?P<tool>[\w./-]+(?: [\w-]+)*): error: (?P<said>.+)")
 _CHOICE = re.compile(r"invalid choice: '?(?P<given>[^' ]*)'? \(choose from (?P<choices>.*)\)")
@@ -130,7 +130,7 @@ def _sentence(line: str, error: ErrorText, look: Look) -> Finding | None:
         quoted = re.findall(r"'([^']+)'", sentence)
         meant = re.search(r"(?i:did you mean|possible options:) '?([\w/-]+)", sentence)
         known = set(_names(look)) if meant is None else set()
-        alike = ((word, nearest(word, (n for n in known if _has_its_form(n, word)))) for word in quoted)
+        alike = ((word, nearest(word, (n for n in known if has_form_of(n, word)))) for word in quoted)
         wrong, close = next((pair for pair in alike if pair[1]), ("", None))
         hint = f" Nothing here is called {wrong}; there is {close}." if close else ""
         word = close or (meant[1] if meant else None)
@@ -141,11 +141,6 @@ def _sentence(line: str, error: ErrorText, look: Look) -> Finding | None:
         if word or not LABELLED.match(line):
             return Finding(SAID, f"{sentence[0].upper()}{sentence[1:].rstrip('.?')}.{hint}", "", fix)
     return None
-
-
-def _has_its_form(name: str, word: str) -> bool:
-    """Return whether a word has as many levels as a name, and so may be meant for it; `pkg/Type` is no package."""
-    return name.strip("/").count("/") == word.strip("/").count("/") and ":" not in word
 
 
 def is_bare(finding: Finding) -> bool:

@@ -225,3 +225,8 @@ def differs(found: str, wanted: str) -> str:
     if _letters(found) == _letters(wanted):
         return "hyphens and underscores count"
     return "every letter counts"
+
+
+def has_form_of(name: str, word: str) -> bool:
+    """Return whether a word has as many levels as a name, and so may be meant for it; `pkg/Type` is no package."""
+    return name.strip("/").count("/") == word.strip("/").count("/") and ":" not in word

@@ -182,9 +182,8 @@ class Conductor:
         end = time.monotonic() + MOST_LONGER
         with contextlib.suppress(NotStepped):
             for _ in range(round(self.plan.get("longer", 0.0) / STEP) if watch.is_stepped else 0):
-                if time.monotonic() > end:
-                    break
-                watch.step(STEP)
+                if time.monotonic() < end:
+                    watch.step(STEP)
 
     def _verify_owners(self, watch: Watch) -> None:
         """Ask the nodes of each program while all others are held, for a node may report another's enclave.
