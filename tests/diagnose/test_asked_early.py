@@ -93,3 +93,60 @@ def test_with_threads_it_may_come_meanwhile(tmp_path: Path) -> None:
     code = NODE.replace("BODY", body.replace("\n", "\n        ")).replace("class", threads, 1)
     root = Files.right(NAME).put("node", code).write(tmp_path)
     assert [one for one in of_workspace(root) if one.code == "callback-waits"] == []
+
+
+ON_SET = """\
+import rclpy
+from rcl_interfaces.msg import SetParametersResult
+from rclpy.node import Node
+from std_msgs.msg import Bool
+
+
+class Blinker(Node):
+    def __init__(self):
+        super().__init__('blinker')
+        self.declare_parameter('period', 1.0)
+        self.pub = self.create_publisher(Bool, 'led', 10)
+        self.apply()
+        self.WHEN(self.changed)
+
+    def apply(self):
+        period = self.get_parameter('period').value
+        self.timer = self.create_timer(period, lambda: self.pub.publish(Bool()))
+
+    def changed(self, params):
+        BODY
+        return SetParametersResult(successful=RESULT)
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Blinker())
+"""
+OLD = "self.apply()"
+
+
+@pytest.mark.parametrize(
+    ("when", "body", "result", "said"),
+    [
+        ("on", "for p in params:\n    if p.name == 'period':\n        self.apply()", "True", "write `self.add_post_set_parameters_callback(self.changed)`"),
+        ("on", OLD, "True", "write `self.add_post_set_parameters_callback(self.changed)`"),
+        ("on", "if 'period' in [p.name for p in params]:\n    self.apply()", "not self.timer.is_canceled()", "`.value` of the parameter of that name"),
+        ("on", "self.period = self.get_parameter('period').value", "True", "one change behind"),
+        ("on", "self.values = self.get_parameters(['period'])", "True", "one change behind"),
+        ("post", OLD, "True", ""),  # the new value is there
+        ("on", "for p in params:\n    self.timer.timer_period_ns = int(p.value * 1e9)", "True", ""),
+        ("on", "self.before = self.get_parameter('period').value\nself.wanted = {p.name: p.value for p in params}", "True", ""),
+        ("on", "self.take(params)", "True", ""),  # whatever that does
+        ("on", "self.get_logger().info(str(self.get_parameter('period').value))", "True", ""),  # nothing is kept
+        ("on", "self.is_stale = True", "True", ""),  # it is read later
+    ],
+)  # fmt: skip
+def test_a_parameter_is_not_read_where_its_new_value_is_decided_on(
+    tmp_path: Path, when: str, body: str, result: str, said: str
+) -> None:
+    code = ON_SET.replace("WHEN", f"add_{when}_set_parameters_callback")
+    code = code.replace("BODY", body.replace("\n", "\n        ")).replace("RESULT", result)
+    root = Files.right(NAME).put("node", code).write(tmp_path)
+    told = [f"{one.cause} {one.fix}" for one in of_workspace(root) if one.code == "callback-waits"]
+    assert [said in text for text in told] == [True] * bool(said), told

@@ -1,4 +1,4 @@
-"""Tests that ask, in the call that has just begun something, for what can only come after that call."""
+"""What is asked, in the call that has just begun something, although it can only come after that call."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.endless_loops import uses_threads
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.one_run import own_calls
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.uses import own_stores, uses_of
 
@@ -15,6 +16,7 @@ _LATER = frozenset(("call_async", "send_goal_async", "get_result_async", "cancel
 _BEGINS = _LATER | {"publish", "sleep", "create_timer"}
 _TESTS = (ast.If, ast.IfExp, ast.Assert)
 _LETS_OTHERS_RUN = (ast.Await, ast.Yield, ast.YieldFrom)
+_DECIDES, _LEARNS = "add_on_set_parameters_callback", "add_post_set_parameters_callback"
 
 
 def asked_early(
@@ -119,3 +121,65 @@ def _of_flag(
                 fix = f"{fix}, or test it at the next call of {functions[0].name}(), above line {node.lineno}"
             yield Finding("callback-waits", cause, source.at(test), fix)
             return
+
+
+def old_parameters(sources: NodeSources) -> Iterator[Finding]:
+    """Yield parameters that are read and kept while a callback decides on their new values, which it does not look at."""
+    for source in sources.sources.values():
+        for owner, _, node in sources.scoped(source) if _DECIDES in source.text else ():
+            is_call = isinstance(node, ast.Call) and last_name(node.func) == _DECIDES
+            given = node.args[0] if is_call and node.args else None  # type: ignore[attr-defined]
+            first = sources.method(owner, given.attr) if owner and is_self_attribute(given) else None
+            if first is None or _looks_at_new(first):
+                continue
+            for function in [
+                first,
+                *filter(None, (sources.method(owner, name) for name in own_calls(first))),
+            ]:
+                for read in _kept(function):
+                    yield _of_old(source, first, ast.unparse(node), read)
+
+
+def _looks_at_new(function: Function) -> bool:
+    """Return whether a callback uses more of the parameters that it is given than their names."""
+    given = {parameter.arg for parameter in function.args.args if parameter.arg != "self"}
+    for node in walk(function):
+        if isinstance(node, (ast.For, ast.comprehension)) and given & _names(node.iter):
+            given |= _names(node.target)
+    inside = [*walk(function)]
+    looped = [n.iter for n in inside if isinstance(n, (ast.For, ast.comprehension))]
+    named = [n.value for n in inside if isinstance(n, ast.Attribute) and n.attr == "name"]
+    plain = {id(n) for n in (*looped, *named)}
+    names = (n for n in inside if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load))
+    return any(name.id in given and id(name) not in plain for name in names)
+
+
+def _names(node: ast.AST) -> set[str]:
+    return {inner.id for inner in walk(node) if isinstance(inner, ast.Name)}
+
+
+def _kept(function: Function) -> Iterator[ast.Call]:
+    """Yield the calls that read a parameter of the node whose value becomes part of an attribute."""
+    stores = [node for node in own_nodes(function) if isinstance(node, ast.Assign)]
+    for node in stores:
+        reads = [n for n in walk(node.value) if isinstance(n, ast.Call) and _reads_own(n)]
+        local = [target.id for target in node.targets if isinstance(target, ast.Name)]
+        later = [other for other in stores if _names(other.value) & {*local}]
+        kept = [target for one in (node, *later) for target in one.targets if is_self_attribute(target)]
+        yield from reads if kept else ()
+
+
+def _reads_own(call: ast.Call) -> bool:
+    func = call.func
+    return is_self_attribute(func) and func.attr.startswith("get_parameter") and bool(call.args)
+
+
+def _of_old(source: PythonSource, first: Function, registered: str, read: ast.Call) -> Finding:
+    text = ast.unparse(read)
+    cause = f"`{text}` still gives the old value here: {first.name}() is called before the new one is stored, so the node is always one change behind."
+    results = (node for node in walk(first) if isinstance(node, ast.keyword) and node.arg == "successful")
+    may_refuse = any(ast.unparse(node.value) != "True" for node in results)
+    fix = f"write `{registered.replace(_DECIDES, _LEARNS)}` instead of `{registered}`; {first.name}() then returns nothing"
+    if may_refuse:
+        fix = f"take the new value from what {first.name}() is given: `.value` of the parameter of that name"
+    return Finding("callback-waits", cause, source.at(read), fix)

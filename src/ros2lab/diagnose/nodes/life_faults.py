@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.code.deadlocks import GROUP_IMPORTED, spun_by_threads
 from ros2lab.diagnose.finding import Finding, in_a_row
-from ros2lab.diagnose.nodes.asked_early import asked_early
+from ros2lab.diagnose.nodes.asked_early import asked_early, old_parameters
 from ros2lab.diagnose.nodes.endless_loops import (
     endless_loops,
     has_others_than,
@@ -153,6 +153,7 @@ def _callback_faults(sources: NodeSources) -> Iterator[Finding]:
     yield from unreached_faults(sources)
     yield from rate_faults(sources)
     yield from _sent_early(sources)
+    yield from old_parameters(sources)
 
 
 def _needs_asyncio(
