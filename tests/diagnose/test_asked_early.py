@@ -35,6 +35,9 @@ class Asker(Node):
     def tell(self):
         self.get_logger().info(str(self.reply))
 
+    def wait_for(self, future):
+        rclpy.spin_once(self) if future is None else rclpy.spin_until_future_complete(self, future)
+
     def ask(self):
         BODY
 
@@ -56,12 +59,12 @@ def found(body: str, folder: Path) -> list[str]:
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        (f"self.future = {CALL}\nif self.future.done():\n    self.tell()", "`self.future.done()` is never true here: line 26 has only just asked"),
+        (f"self.future = {CALL}\nif self.future.done():\n    self.tell()", "`self.future.done()` is never true here: line 29 has only just asked"),
         (f"later = {CALL}\ntime.sleep(0.5)\nif later.done(): self.tell()\nelse: print('no')", "write `later.add_done_callback(self.answered)`"),
         (f"later = {CALL}\nfor _ in range(9):\n    if later.done(): break\n    time.sleep(0.1)", "`later.done()` is never true here"),
         (f"later = {CALL}\nself.reply = later.result() if later.done() else None", "`later.done()` is never true here"),
-        ("self.reply = None\nself.pub.publish(String())\nif self.reply: self.tell()", "`self.reply` always finds self.reply as line 26 has set it, None: only on_answer() changes it"),
-        ("self.reply = None\nself.pub.publish(String())\ntime.sleep(0.1)\nif self.reply is not None: self.tell()", "test it at the next call of ask(), above line 26"),
+        ("self.reply = None\nself.pub.publish(String())\nif self.reply: self.tell()", "`self.reply` always finds self.reply as line 29 has set it, None: only on_answer() changes it"),
+        ("self.reply = None\nself.pub.publish(String())\ntime.sleep(0.1)\nif self.reply is not None: self.tell()", "test it at the next call of ask(), above line 29"),
     ],
 )  # fmt: skip
 def test_what_can_only_come_later_is_not_asked_at_once(tmp_path: Path, body: str, said: str) -> None:
@@ -79,6 +82,8 @@ def test_what_can_only_come_later_is_not_asked_at_once(tmp_path: Path, body: str
         f"later = {CALL}\nlater = self.future\nif later and later.done(): self.tell()",
         "if self.reply is not None: self.tell()\nself.reply = None\nself.pub.publish(String())",
         "self.reply = None\nself.on_answer(String())\nself.pub.publish(String())\nif self.reply is not None: self.tell()",
+        f"later = {CALL}\nself.wait_for(later)\nif later.done(): self.tell()",
+        "self.reply = None\nself.pub.publish(String())\nself.wait_for(None)\nif self.reply is not None: self.tell()",
         "self.reply = None\nif self.reply is not None: self.tell()",  # nothing is begun
         "self.future = False\nself.pub.publish(String())\nif self.future: self.tell()",  # no other callback sets it
     ],
@@ -134,6 +139,8 @@ OLD = "self.apply()"
         ("on", "if 'period' in [p.name for p in params]:\n    self.apply()", "not self.timer.is_canceled()", "`.value` of the parameter of that name"),
         ("on", "self.period = self.get_parameter('period').value", "True", "one change behind"),
         ("on", "self.values = self.get_parameters(['period'])", "True", "one change behind"),
+        ("on", "for p in params:\n    if p.name == 'period' and not 0 < p.value < 9:\n        return SetParametersResult(successful=False)\nself.period = self.get_parameter('period').value", "True", "`.value` of the parameter of that name"),
+        ("on", "self.apply()", "all(p.value > 0 for p in params)", "`.value` of the parameter of that name"),
         ("post", OLD, "True", ""),  # the new value is there
         ("on", "for p in params:\n    self.timer.timer_period_ns = int(p.value * 1e9)", "True", ""),
         ("on", "self.before = self.get_parameter('period').value\nself.wanted = {p.name: p.value for p in params}", "True", ""),

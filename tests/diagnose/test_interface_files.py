@@ -124,7 +124,9 @@ def test_parts_and_names(tmp_path: Path, name: str, text: str, place: str | None
     [
         ({"msg/Box.msg": "Side a\n", "msg/Side.msg": "float64 a\n"}, ' "msg/Side.msg"', "", 'add "msg/Side.msg"'),
         ({"msg/Box.msg": "", "msg/Side.msg": ""}, '"msg/Box.msg"', "", 'add "msg/Box.msg"'),
-        ({"msg/Box.msg": "geometry_msgs/Point a\n"}, " geometry_msgs\n", " std_msgs\n", "write geometry_msgs after DEPENDENCIES"),
+        ({"msg/Box.msg": "geometry_msgs/Point a\n"}, "DEPENDENCIES geometry_msgs\n", "\n", "write DEPENDENCIES geometry_msgs"),
+        ({"msg/Box.msg": "std_msgs/Header a\n"}, "", "", ""),  # geometry_msgs, which is named, brings it along
+        ({"action/Go.action": "builtin_interfaces/Duration a\n---\n---\n"}, "DEPENDENCIES geometry_msgs\n", "\n", ""),
         ({"msg/Box.msg": "", "msg/Side.msg": ""}, ' "msg/Side.msg"', "", ""),
         ({"msg/Box.msg": "", "msg/Side.msg": ""}, '"msg/Box.msg"', "${FILES}", ""),
     ],

@@ -150,6 +150,20 @@ def test_what_is_taken_for_what_it_is(tmp_path: Path, place: str, lines: str, re
     assert told(place, lines, returned, tmp_path) == []
 
 
+def test_fields_of_own_classes_are_no_fields_of_messages(tmp_path: Path) -> None:
+    own = "\n\nclass Lap:\n    sec: float\n    orientation: Euler\n"
+    for line in (
+        "self.x += self.speed * (self.two.sec - self.one.sec)",
+        "if self.robot.orientation.z > 90.0: pass",
+    ):
+        text = NODE.replace("pass  #POSE", line)
+        folders = [tmp_path / f"{len(line)}{name}" for name in "ab"]
+        for folder in folders:
+            folder.mkdir()
+        assert [*unit_faults(sources_of(text, folders[0], "node"))]
+        assert [*unit_faults(sources_of(text + own, folders[1], "node"))] == []
+
+
 @pytest.mark.parametrize(
     ("place", "lines", "fix"),
     [

@@ -29,6 +29,21 @@ class Gear(enum.Enum):
     HIGH = 2
 
 
+class Odd:
+    def __eq__(self, other):
+        raise ValueError('the truth of an array')
+
+
+class Closing:
+    open = 0
+
+    def __init__(self):
+        Closing.open += 1
+
+    def __del__(self):
+        Closing.open -= 1
+
+
 class Robot:
     def __init__(self):
         self.state = 'idle'
@@ -165,6 +180,10 @@ def test_what_undoes_itself_is_told(tmp_path: Path, body: str, said: str, fix: s
         (rows("self.window.append({'x': number})"), "pass"),
         (rows("self.window.append(self.pose)"), "pass"),
         (rows("self.pose['x'] = number", "self.window.append(self.pose)", "self.window.clear()"), "pass"),
+        # The program is not disturbed by what is noted.
+        (rows("self.count = (self.count + 2) ** 2"), "pass"),
+        (rows("self.window.append(Odd())", "self.window.append(None)", "if number < 9: self.window.pop()"), "pass"),
+        (rows("self.window.append(Closing())", "self.window.pop()", "assert Closing.open == 0"), "pass"),
     ],
 )  # fmt: skip
 def test_what_is_meant_is_not_told(tmp_path: Path, body: str, tick: str) -> None:

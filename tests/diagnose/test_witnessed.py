@@ -92,6 +92,7 @@ def test_what_never_happens_is_told(tmp_path: Path, body: str, made: str, code: 
         ("if self.steps is None or number in range(9): self.turns.append([s for s in self.steps if s > 1])", "[1, 2]"),
         ("self.turns.append('x' if number < 9 else 'y')", "[]"),
         ("if 0 < number < 9: raise SystemExit(number)", "[]"),
+        ("self.steps = self.steps ** 2\nif self.steps == 0 or self.steps == 1.0: self.turns.append(1)", "10 ** 400"),
     ],
 )  # fmt: skip
 def test_a_program_does_the_same_and_nothing_is_wrong(tmp_path: Path, body: str, made: str) -> None:

@@ -15,12 +15,12 @@ from threading import get_ident
 from types import CodeType, FrameType
 from typing import Any
 
-from .values import LONGEST, PLAIN
+from .values import LONGEST, PLAIN, shown
 
 NAME = "ros2lab_changes"  # of this module, and of what is called, in a running program
 ADDS = {"append": -1, "appendleft": 0}  # the place of what is added
-_MOST, _LONGEST_PATH, _MOST_PATHS, _MOST_ITEMS, _MOST_PRINTS = 2000, 8, 12, 300, 6
-_DEEPEST, _LONGEST_PRINT = 8, 4000
+_MOST, _LONGEST_PATH, _MOST_PATHS, _MOST_ITEMS, _MOST_PRINTS, _MOST_PRINTED = 2000, 8, 12, 300, 6, 30
+_DEEPEST, _LARGEST, _LONGEST_PRINT = 8, 1000, 4000
 _MISSING = object()
 
 
@@ -47,10 +47,10 @@ class Added:
 
     def __init__(self) -> None:
         self.root, self.kind = "", ""
-        self.same = self.repeats = self.held = 0
+        self.same = self.repeats = self.held = self.printed = 0
         self.is_disturbed = False
         self.last: tuple[Any, ...] = ()
-        self.newest: Any = _MISSING
+        self.newest = 0  # its id; the object itself must not outlive what the program does with it
         self.prints: set[str] = set()
 
     def ended(self, root: str, before: tuple[Any, ...], now: Sequence[Any], *, is_new: bool) -> None:
@@ -58,16 +58,16 @@ class Added:
 
         Args:
             root: the callback.
-            before: the items with which the call began.
+            before: the items with which the call began, each as `_item` gives it.
             now: those with which it ended.
             is_new: whether what was added was not among them.
         """
-        items = (*now,)
-        is_same = len(before) > 0 and _are_same(before, items) and is_new
-        self.is_disturbed |= self.same > 0 and not (is_same and _are_same(self.last, before))
+        items = (*map(_item, now),)
+        is_same = len(before) > 0 and before == items and is_new
+        self.is_disturbed |= self.same > 0 and not (is_same and self.last == before)
         self.same += is_same
         self.root, self.last = root, items
-        self.held = sum(item is self.newest for item in items)
+        self.held = sum(id(item) == self.newest for item in now)
 
     def repeated(self) -> tuple[str, int, int]:
         """Return the type of the object that it last got, how often it holds it, and how many contents that has had."""
@@ -77,12 +77,13 @@ class Added:
         """Note what was added."""
         if type(value) in PLAIN or isinstance(value, (enum.Enum, type, tuple, frozenset)):
             return
-        is_again = value is self.newest
+        is_again = id(value) == self.newest
         self.repeats = self.repeats + 1 if is_again else 1
-        self.newest, self.kind = value, type(value).__name__
+        self.newest, self.kind = id(value), type(value).__name__
         if not is_again:
             self.prints.clear()
-        if len(self.prints) < _MOST_PRINTS > self.repeats - len(self.prints):
+        if len(self.prints) < _MOST_PRINTS > self.repeats - len(self.prints) and self.printed < _MOST_PRINTED:
+            self.printed += 1
             self.prints.add(_print(value))
 
 
@@ -105,9 +106,12 @@ class Changes:
 
     def begun(self, place: str, _: Any) -> None:
         """Note that a function is entered that may be a callback."""
+        with contextlib.suppress(Exception):  # nothing of this may reach the program
+            self._begun(place, sys._getframe(1))
+
+    def _begun(self, place: str, frame: FrameType) -> None:
         if self._is_over(place):
             self.notes.update(dict.fromkeys(self.notes, id))  # nothing is noted any more
-        frame = sys._getframe(1)
         around = frame.f_back
         while around is not None and around.f_code.co_name == "<lambda>":
             around = around.f_back
@@ -124,6 +128,10 @@ class Changes:
 
     def set_(self, place: str, name: str, key: Any, owner: Any) -> None:
         """Note that an attribute or a variable was set, or a key of it."""
+        with contextlib.suppress(Exception):
+            self._set(place, name, key, owner, sys._getframe(1))
+
+    def _set(self, place: str, name: str, key: Any, owner: Any, frame: FrameType) -> None:
         if self._is_over(f"{place}:{name}"):
             self.closed.add(name)
             self.notes[f"{place}:{name}"] = id
@@ -134,27 +142,32 @@ class Changes:
         value = _kept(value)
         known = id(owner), name
         before, self.known[known] = self.known.get(known, _MISSING), value
-        if (call := self.calls.get(get_ident())) and (line := _line_in(call, sys._getframe(1))):
+        if (call := self.calls.get(get_ident())) and (line := _line_in(call, frame)):
             path = call.paths.setdefault(known, [before])
             if len(path) <= _LONGEST_PATH + 1:
                 path.append((line, place, value))
 
     def added_to(self, place: str, names: Sequence[str], at: int, owner: Any) -> None:
         """Note that a list has just got something, at one of its ends."""
+        with contextlib.suppress(Exception):
+            self._added_to(place, names, at, owner, sys._getframe(1))
+
+    def _added_to(self, place: str, names: Sequence[str], at: int, owner: Any, frame: FrameType) -> None:
         if self._is_over(f"{place}:"):
             self.notes[f"{place}:"] = id
         if (call := self.calls.get(get_ident())) is None:
             return
         holder = _held(owner, names)
         is_list = (type(holder) is deque and holder.maxlen is None) or type(holder) is list
-        if not is_list or not 0 < len(holder) <= _MOST_ITEMS or not _line_in(call, sys._getframe(1)):
+        if not is_list or not 0 < len(holder) <= _MOST_ITEMS or not _line_in(call, frame):
             return
         value = holder[at]
         seen = self.added.setdefault(place, Added())
         seen.given(value)
         if place not in call.lists:
-            before = (*holder,)[1:] if at == 0 else (*holder,)[:-1]
-            is_new = not any(value is item or (type(value) in PLAIN and value == item) for item in before)
+            items = (*map(_item, holder),)
+            before = items[1:] if at == 0 else items[:-1]
+            is_new = _item(value) not in before
             call.lists[place] = (lambda: _held(owner, names), before, is_new)
 
     def end(self, call: Call) -> None:
@@ -229,22 +242,28 @@ def _kept(value: Any) -> Any:
 def _shown(value: Any) -> str:
     if isinstance(value, enum.Enum):
         return f"{type(value).__name__}.{value.name}"
-    return repr(value)[:LONGEST]
+    return shown(value)[:LONGEST]
 
 
 def _is_same(value: Any, other: Any) -> bool:
     return value is other or (type(value) is type(other) and type(value) in PLAIN and bool(value == other))
 
 
-def _are_same(items: Sequence[Any], others: Sequence[Any]) -> bool:
-    return len(items) == len(others) and all(map(_is_same, items, others))
+def _item(value: Any) -> tuple[type, Any]:
+    """Return what tells an item of a list from others, without keeping what is not plain, or asking it."""
+    return type(value), value if type(value) in PLAIN else id(value)
 
 
 def _print(value: Any) -> str:
     """Return the contents of a message, a list or a dict; empty of what may be the same thing at different times."""
     is_message = hasattr(type(value), "get_fields_and_field_types")
     with contextlib.suppress(Exception):
-        return repr(value)[:_LONGEST_PRINT] if is_message or type(value) in (list, dict, set, deque) else ""
+        if not is_message and type(value) not in (list, dict, set, deque):
+            return ""
+        slots: Any = (getattr(value, slot, None) for slot in type(value).__slots__) if is_message else value
+        inside = [*slots.values()] if type(value) is dict else [*slots]
+        if len(inside) + sum(len(item) for item in inside if hasattr(item, "__len__")) <= _LARGEST:
+            return repr(value)[:_LONGEST_PRINT]
     return ""
 
 

@@ -144,7 +144,7 @@ class _Span:
 
     def is_enough(self, found: Sequence[_Span]) -> bool:
         """Return whether it is no chance: several messages came, or none in a time in which others bring several."""
-        rate = max(span.count / span.seconds for span in found if span.seconds)
+        rate = max((span.count / span.seconds for span in found if span.seconds), default=0.0)
         return self.count >= LEAST or (not self.count and self.seconds * rate > 2 * LEAST)
 
     def shown(self, names: Sequence[str]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import contextlib
 import json
+import math
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -42,7 +43,7 @@ class Side:
     @property
     def _fixed(self) -> list[str]:
         with contextlib.suppress(ValueError):
-            return [] if self.bounds or float(self.last) is None else [self.last]
+            return [] if self.bounds or not abs(float(self.last)) < math.inf else [self.last]
         return []
 
 

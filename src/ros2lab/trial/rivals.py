@@ -118,10 +118,17 @@ def _bare(sent: Sent) -> list[dict[str, object]]:
 
 def _part(one: Sent, other: Sent) -> bool:
     """Return whether one is silent for most of the time in which the other publishes."""
-    begin, end = other.times[0], other.times[-1]
+    # Of many messages, only the first and the last ones are known: those between are not missing.
+    times, others = (
+        sent.times[: len(sent.times) // (1 + (sent.count > len(sent.times)))] for sent in (one, other)
+    )
+    begin, end = (
+        others[0],
+        min(others[-1], max(times[-1], others[0])) if one.count > len(one.times) else others[-1],
+    )
     third = (end - begin) / 3
     return any(
-        not any(begin + third * part <= when <= begin + third * (part + 1) for when in one.times)
+        not any(begin + third * part <= when <= begin + third * (part + 1) for when in times)
         for part in range(3)
     )
 

@@ -156,7 +156,8 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
             if _is_steppable(runs[last]) and may_move(noted.unreached.record):
                 longer = _OwnJob(leases, _noting(programs, longer_notes, look), plan=_LONGER)
                 observer.watch([longer])
-                sent[last] = longer.sent(longer_notes) or sent[last]
+                if not runs[last].commands:
+                    sent[last] = longer.sent(longer_notes) or sent[last]
                 moving = still_moving(noted.unreached.record, witnessed(longer_notes, look).unreached.record)
         _bring(longer_notes, notes)
         ever = noted = witnessed(notes, look, moving)

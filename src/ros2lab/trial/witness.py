@@ -32,6 +32,7 @@ from .values import LONGEST, NUMBERS, PLAIN, Words, shown, values_in
 WATCHED = "ROS2LAB_WITNESS"  # holds the folder for the notes, and the folders of the files to watch
 _TESTS, _LOOPS, _MARKS = "ros2lab_tests", "ros2lab_loops", "ros2lab_marks"
 _OBJECTS, _CAUGHT = "ros2lab_objects", "ros2lab_caught"
+_LARGEST = 1e300  # what is greater may be no float, or infinite
 _EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
 _DEFINED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _LONGEST_MESSAGE, _MOST_TIMES, _MOST_ERRORS = 200, 1000, 50
@@ -50,7 +51,7 @@ class _Side:
         self.last: Any = self  # no value yet
         self.low: Any = None
         self.high: Any = None
-        self.has_changed = self.rose = self.fell = False
+        self.has_changed = self.has_value = self.rose = self.fell = False
 
     def note(self, value: Any) -> None:
         kind, last = type(value), self.last
@@ -61,12 +62,12 @@ class _Side:
         elif kind in NUMBERS and value == value:  # noqa: PLR0124 -- a NaN is not, and has no bounds
             if self.low is None:
                 self.low = self.high = value
-            elif type(last) not in NUMBERS:
-                self.rose = self.fell = True
-            elif value < last:
-                self.fell, self.low = True, min(value, self.low)
-            elif value > last:
-                self.rose, self.high = True, max(value, self.high)
+            self.low, self.high = min(value, self.low), max(value, self.high)
+            if type(last) not in NUMBERS or last != last:  # noqa: PLR0124
+                self.rose = self.fell = self.rose or self.has_value
+            else:
+                self.rose, self.fell = self.rose or value > last, self.fell or value < last
+            self.has_value = True
         elif kind is str or kind is bytes:
             value = value[:LONGEST]
         if last is not self and not self.has_changed:
@@ -75,7 +76,8 @@ class _Side:
 
     def told(self) -> list[Any]:
         last = self.last if isinstance(self.last, Words) else shown(self.last)
-        bounds = [shown(self.low), shown(self.high)] if self.low != self.high else []
+        are_numbers = self.low != self.high and self.low > -_LARGEST and self.high < _LARGEST
+        bounds = [shown(self.low), shown(self.high)] if are_numbers else []
         return ["" if self.last is self else last, self.has_changed, bounds, self.rose - self.fell]
 
 
@@ -114,8 +116,9 @@ class _Test:
         self.sides[1].note(right)
         if self.sign is operator.eq and (type(left) is float or type(right) is float):
             kinds = {type(left), type(right)}
-            if kinds <= NUMBERS and not result and math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-9):
-                self.near = [shown(left), shown(right)]
+            with contextlib.suppress(OverflowError):  # of an int that is no float
+                if kinds <= NUMBERS and not result and math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-9):
+                    self.near = [shown(left), shown(right)]
         return self.outcome(result)
 
 
@@ -331,21 +334,26 @@ def begin() -> None:
         setattr(builtins, name, holder)
 
     def write() -> None:
-        errors.ended()
-        told = {
-            "tests": {
-                key: [test.held, test.failed, [side.told() for side in test.sides], test.near]
-                for key, test in tests.items()
-                if test.held or test.failed
-            },
-            "marks": {key: count for key, mark in marks.items() if (count := mark())},
-            "errors": [*errors.found.values()],
-            "classes": [(_file_of(kind), kind.__qualname__) for kind in kinds.values()],
-            "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
-            **changes.told(),
-        }
-        with open(os.path.join(folder, f"{os.getpid()}.json"), "w", encoding="utf-8") as file:
-            json.dump(told, file)
+        # A thread may still run, and nothing of this may be printed.
+        with contextlib.suppress(Exception):
+            errors.ended()
+            told = {
+                "tests": {
+                    key: [test.held, test.failed, [side.told() for side in test.sides], test.near]
+                    for key, test in tests.items()
+                    if test.held or test.failed
+                },
+                "marks": {key: count for key, mark in marks.items() if (count := mark())},
+                "errors": [*errors.found.values()],
+                "classes": [(_file_of(kind), kind.__qualname__) for kind in kinds.values()],
+                "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
+                "paths": [],
+                "lists": [],
+            }
+            with contextlib.suppress(Exception):
+                told |= changes.told()
+            with open(os.path.join(folder, f"{os.getpid()}.json"), "w", encoding="utf-8") as file:
+                json.dump(told, file)
 
     atexit.register(write)
     _watch(tuple(os.path.realpath(watched) + os.sep for watched in folders), changes, watched)

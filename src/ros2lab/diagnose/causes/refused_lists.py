@@ -127,6 +127,6 @@ def _type_name(value: ast.expr, source: PythonSource) -> str:
     if isinstance(value, ast.JoinedStr):
         return "str"
     kind = type_of(source, value)
-    if re.match(r"(?:Literal|LiteralString)\b", kind):
-        return "str" if "LiteralString" in kind or re.search(r"['\"]", kind) else "int"
+    if re.match(r"Literal\b", kind):
+        return "str" if re.search(r"['\"]", kind) else "int"
     return "" if re.search(r"Unknown|Any\b| \| |None", kind) else re.sub(r"\[.*", "", kind).rpartition(".")[2]

@@ -383,7 +383,7 @@ def _keyword(keyword: ast.keyword) -> str:
 
 def _class_name(kind: str) -> str:
     """Return the class name of a type; for a literal, that of its value."""
-    kind = kind.removesuffix(" | None").replace("LiteralString", "str")
+    kind = kind.removesuffix(" | None")
     if literal := re.match(
         r"Literal\[(?:(?P<enum>[A-Z]\w*)\.\w|(?P<text>['\"])|(?P<bytes>b)|(?P<number>-?\d))", kind
     ):

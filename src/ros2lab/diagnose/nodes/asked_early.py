@@ -23,7 +23,10 @@ def asked_early(
     sources: NodeSources, source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
 ) -> Iterator[Finding]:
     """Yield tests, in a callback or what it calls, of what only another callback of the same thread may change meanwhile."""
-    if uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
+    calls = (node for function in functions for node in walk(function) if isinstance(node, ast.Call))
+    if isinstance(functions[0], ast.AsyncFunctionDef) or any(map(_lets_others_run, calls)):
+        return
+    if uses_threads(sources, source):
         return
     for function in functions:
         for node in own_nodes(function):
@@ -56,13 +59,13 @@ def _tests_after(source: PythonSource, node: ast.Assign, name: str) -> Iterator[
 
 
 def _may_change(node: ast.AST, name: str) -> bool:
-    """Return whether a node sets something anew, or lets other callbacks run."""
+    """Return whether a node sets something anew, or waits while other callbacks run."""
     is_set = not isinstance(getattr(node, "ctx", ast.Load()), ast.Load) and ast.unparse(node) == name
-    return (
-        is_set
-        or isinstance(node, _LETS_OTHERS_RUN)
-        or last_name(getattr(node, "func", None)).startswith("spin")
-    )
+    return is_set or isinstance(node, _LETS_OTHERS_RUN)
+
+
+def _lets_others_run(call: ast.Call) -> bool:
+    return last_name(call.func).startswith("spin")
 
 
 def _placed(node: ast.AST) -> list[ast.expr | ast.stmt]:
@@ -132,16 +135,14 @@ def old_parameters(sources: NodeSources) -> Iterator[Finding]:
             first = sources.method(owner, given.attr) if owner and is_self_attribute(given) else None
             if first is None or _looks_at_new(first):
                 continue
-            for function in [
-                first,
-                *filter(None, (sources.method(owner, name) for name in own_calls(first))),
-            ]:
-                for read in _kept(function):
+            called = (sources.method(owner, name) for name in own_calls(first))
+            for function in (first, *called):
+                for read in _kept(function) if function else ():
                     yield _of_old(source, first, ast.unparse(node), read)
 
 
 def _looks_at_new(function: Function) -> bool:
-    """Return whether a callback uses more of the parameters that it is given than their names."""
+    """Return whether a callback uses more of the parameters that it is given than their names, but to test them."""
     given = {parameter.arg for parameter in function.args.args if parameter.arg != "self"}
     for node in walk(function):
         if isinstance(node, (ast.For, ast.comprehension)) and given & _names(node.iter):
@@ -149,7 +150,10 @@ def _looks_at_new(function: Function) -> bool:
     inside = [*walk(function)]
     looped = [n.iter for n in inside if isinstance(n, (ast.For, ast.comprehension))]
     named = [n.value for n in inside if isinstance(n, ast.Attribute) and n.attr == "name"]
-    plain = {id(n) for n in (*looped, *named)}
+    tests = [
+        n if isinstance(n, ast.Compare) else n.test for n in inside if isinstance(n, (ast.Compare, *_TESTS))
+    ]
+    plain = {id(n) for n in (*looped, *named, *(n for test in tests for n in walk(test)))}
     names = (n for n in inside if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Load))
     return any(name.id in given and id(name) not in plain for name in names)
 

@@ -158,10 +158,15 @@ def _built_at(root: Path) -> float:
     return log.stat().st_mtime if log.is_file() else float("inf")
 
 
+def _is_newer(path: Path, when: float) -> bool:
+    return path.is_file() and path.stat().st_mtime > when
+
+
 def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
     """Return the files whose built or installed copy was changed after the build, each with that copy."""
     prefix, last = prefix_of(root, package.name), _built_at(root)
-    if prefix is None or package.setup is None:
+    # A copy of a workspace may have new times everywhere, which say nothing.
+    if prefix is None or package.setup is None or _is_newer(prefix / INDEX / package.name, last):
         return []
     pairs = []
     for source in package.sources.values():
@@ -173,7 +178,7 @@ def edited(root: Path, package: SourcePackage) -> list[tuple[str, Path]]:
     return [
         (shown, copy.relative_to(root) if copy.is_relative_to(root) else copy)
         for shown, paths, copy in pairs
-        if copy.is_file() and copy.stat().st_mtime > last and not _is_one_of(copy, paths)
+        if _is_newer(copy, last) and not _is_one_of(copy, paths)
     ]
 
 

@@ -92,15 +92,12 @@ def _not_handed_over(
             cause = f"{imported.local} cannot be imported: CMakeLists.txt of {package.name} does not name {one.name}, so the build makes no code for it."
             fix = f"add {add} in {place}; then build {package.name} again"
             yield Finding("import-wrong", cause, file.at(imported.line), fix, (package.name,))
-    for home in dict.fromkeys(home for home, _ in used if home not in (package.name, *words)):
+    # What is named brings along what it depends on, and each service and action a time.
+    homes = (home for home, _ in used if home not in (package.name, "builtin_interfaces"))
+    for home in dict.fromkeys(homes) if "DEPENDENCIES" not in words else ():
         user = next(one for (name, _), one in used.items() if name == home)
         cause = f"{user.name} has a field of a type of {home}, but rosidl_generate_interfaces(...) in CMakeLists.txt does not name {home}, so the build stops."
-        after = f" {home}" if "DEPENDENCIES" in words else f" DEPENDENCIES {home}"
-        fix = (
-            f"write{after} before its last bracket"
-            if "DEPENDENCIES" not in words
-            else f"write{after} after DEPENDENCIES"
-        )
+        fix = f"write DEPENDENCIES {home} before its last bracket"
         found_it = re.search(rf"find_package\s*\(\s*{home}\b", package.cmake)
         fix += "" if found_it else f", find_package({home} REQUIRED) above it"
         yield Finding("interface-refused", cause, place, f"{fix}; then build again", (package.name,))
@@ -353,6 +350,8 @@ class _Interface:
         before, after = (
             line.split()[1].partition("=")[0] if len(line.split()) > 1 else "" for line in (old, new)
         )
+        if not before:
+            return ""
         used = re.compile(rf"(?<!\w){re.escape(before)}(?!\w)")
         users = [file for file in self.files if f"{self.package.name}." in file.text]
         places = [

@@ -209,7 +209,7 @@ class Quantities:
         if not isinstance(node, ast.Attribute):
             return None
         is_read = isinstance(node.ctx, ast.Load) and not is_self_attribute(node)
-        found = _TIMES.get(node.attr) if is_read else None
+        found = _TIMES.get(node.attr) if is_read and node.attr not in self._own_fields else None
         if found is None and any(key.endswith(f".{node.attr}") for key in FIELDS):
             kind, name = scope.kind(node.value), last_name(node.value)
             if kind is None and self._is_quaternion(scope, node.value):
@@ -223,13 +223,21 @@ class Quantities:
         """Return whether a value of unknown type is surely a quaternion: a field of that name, or what was given."""
         if scope.kind(node) == "geometry_msgs.msg.Quaternion":
             return True
-        if isinstance(node, ast.Attribute) and node.attr in ("orientation", "rotation"):
-            is_own = any(f".{node.attr}" in name for name in scope.source.stored if name.count(".") == 1)
-            if not is_own:
-                return any("_msgs." in imported.target for imported in scope.source.imports)
+        named = {getattr(node, "attr", "")} & {"orientation", "rotation"}
+        if named and not named & self._own_fields:
+            return any("_msgs." in imported.target for imported in scope.source.imports)
         given = self._values(scope, node) if isinstance(node, (ast.Name, ast.Attribute)) and depth else []
         given = [row for row in given if not isinstance(row[1], ast.Constant)]
         return bool(given) and all(v is not None and self._is_quaternion(s, v, depth - 1) for s, v in given)
+
+    @cached_property
+    def _own_fields(self) -> set[str]:
+        """The names that the workspace's own classes give to what their objects hold."""
+        sources = self.sources.sources.values()
+        stored = (name.partition(".") for source in sources for name in source.stored if name.count(".") == 1)
+        bodies = (node.body for source in sources for node in source.nodes if isinstance(node, ast.ClassDef))
+        fields = (node.target for body in bodies for node in body if isinstance(node, ast.AnnAssign))
+        return {name for _, _, name in stored} | {field.id for field in fields if isinstance(field, ast.Name)}
 
     def _values(self, scope: Scope, node: ast.Name | ast.Attribute) -> list[tuple[Scope, ast.expr | None]]:
         """Return what a variable, an attribute or the parameter of a function is given, everywhere."""

@@ -161,12 +161,10 @@ class Given:
         """Publish on each topic without a publisher, call each service, and provide each that is called."""
         do = {"publish": self._publish, "call": self._call, "provide": self._provide}
         for how, name, kind in [*wanted(self._watch, manages=self._is_thorough)]:
-            if how not in do:
-                self.ungiven[name] = kind
-                continue
-            try:
+            with contextlib.suppress(Exception):  # rclpy raises many kinds for types and names it cannot use
                 do[how](name, find_type(kind))
-            except Exception:  # rclpy raises many kinds for types and names it cannot use
+                continue
+            if name not in self.types:
                 self.ungiven[name] = kind
 
     def _publish(self, topic: str, message: Any) -> None:
