@@ -63,6 +63,8 @@ def test_it_is_told_with_what_to_write(tmp_path: Path, condition: str, fix: str)
         "msg.data.encode() == b'start'",
         "msg.data.isdigit() == True",
         "self.count_publishers('/robot/report') == 0",
+        "any(word == 'start' for word in 'start stop'.strip().split())",
+        "[*'start stop'.split()][0].upper() == 'START'",
     ],
 )
 def test_what_may_be_equal_is_left_alone(tmp_path: Path, condition: str) -> None:

@@ -181,6 +181,15 @@ def test_an_edit_in_both_is_never_overwritten_by_the_advice(built: Path) -> None
     assert finding.fix.startswith("compare the two (diff src/my_bot/my_bot/talker.py install/")
 
 
+def test_in_a_copy_with_new_times_nothing_was_edited_by_hand(built: Path, tmp_path: Path) -> None:
+    """What differs there is an edit in src."""
+    copied = tmp_path / "copied"
+    shutil.copytree(built, copied, copy_function=shutil.copyfile)
+    source = copied / "src/my_bot/my_bot/talker.py"
+    source.write_text(source.read_text().replace("count = 0", "count = 7"))
+    assert [one.code for one in of_workspace(copied) if one.code == "edited-in-install"] == []
+
+
 @pytest.mark.thorough
 def test_a_workspace_that_was_moved_after_a_build_with_links(root: Path) -> None:
     typed("colcon build --symlink-install", root)
