@@ -1008,7 +1008,9 @@ def test_what_waits_for_flags_is_given_them_in_each_way(
     [
         (["Float32", "message.data < -5.0", "out.publish(Twist())"], ["/cmd_vel"]),
         (["String", "message.data == 'ready'", "out.publish(Twist())"], ["/cmd_vel"]),
-        (["String", "message.data == 'other'", "out.publish(Twist())"], []),
+        pytest.param(
+            ["String", "message.data == 'other'", "out.publish(Twist())"], [], marks=pytest.mark.thorough
+        ),
         (["Float32", "False", "out.publish(Twist())"], []),
         (["Twist", "True", "out.publish(message)"], ["/cmd_vel"]),
         (["Twist", "message.linear.x < 5.0", "message.linear.x /= 2; out.publish(message)"], ["/cmd_vel"]),
