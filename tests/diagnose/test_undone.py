@@ -136,6 +136,8 @@ CHAIN = rows(
         (rows("self.open()", "self.shut()"), "self.state went from 'idle' to 'open'", "let only one of these tests hold", None),
         (rows("if self.count == 0: self.count += 1", "if self.count == 1: self.count += 1", "if self.count == 2: self.count = 0"), "self.count went from 0 to 1", "write `elif`", 1),
         (rows("self.keep(number)", "if len(self.window) > 3: self.window.pop()"), "it kept the same 3 items", "write `self.window.pop(0)`", 1),
+        # What it got may be what it holds already.
+        (rows("self.window.append(number % 5)", "if len(self.window) > 3: self.window.pop()"), "it kept the same 3 items", "write `self.window.pop(0)`", 1),
         (rows("global mode", "if mode == 'shut': mode = 'open'", "if mode == 'open': mode = 'shut'"), "mode went from 'shut' to 'open'", "write `elif`", 2),
         (rows("if self.parts['door'] == 'shut': self.parts['door'] = 'open'", "if self.parts['door'] == 'open': self.parts['door'] = 'shut'"), "self.parts['door'] went from 'shut'", "write `elif`", 1),
         (rows("self.lamp = not self.lamp", "self.turn()"), "it is reversed twice", "reverse self.lamp once", 1),

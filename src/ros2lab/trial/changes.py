@@ -63,9 +63,9 @@ class Added:
             is_new: whether what was added was not among them.
         """
         items = (*map(_item, now),)
-        is_same = len(before) > 0 and before == items and is_new
+        is_same = len(before) > 0 and before == items
         self.is_disturbed |= self.same > 0 and not (is_same and self.last == before)
-        self.same += is_same
+        self.same += is_same and is_new
         self.root, self.last = root, items
         self.held = sum(id(item) == self.newest for item in now)
 
