@@ -181,14 +181,14 @@ class Player:
     def _hands_on(self) -> bool:
         """Whether its node says what it was given, or the words that it takes, and nothing else.
 
-        Of older evidence it is not known what was given: there, messages of its part's type are enough.
+        Messages of its part's type are enough: what it makes of them is theirs.
         """
         run, topic = self.run, self.topic
-        if run.gave:
-            return topic in run.handed_on
         taken = (run.subscribes.get(name, {}).get(self.node, ()) for name in run.given)
         if self.part.is_publisher and any(self.part.type_name in types for types in taken):
             return True
+        if run.gave:
+            return topic in run.handed_on
         said = [
             (value.get("data"), command.text)
             for command in run.commands
