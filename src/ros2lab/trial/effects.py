@@ -117,21 +117,23 @@ def _by_given(was: Sent | None, now: Sent, given: GivenRun, taken: Sequence[str]
         texts = [(when, spread(*next(iter(leaves.items())))) for when, leaves in steps]
         values = [*dict.fromkeys(text for _, text in texts)]
         found = [_after(text, texts, now) for text in values] if 1 < len(values) <= MOST_VALUES else []
-        fields = {field for span in found for field in span.fields}
-        differing = sorted(
-            field for field in fields if len({str(span.fields.get(field)) for span in found}) > 1
-        )
-        is_clear = all(
-            len(leaves) == 1 for span in found for field, leaves in span.fields.items() if field in differing
-        )
+        differing = _differing(found)
         is_own = any(len(before.get(field, ())) > 1 for field in differing)  # it also varies by itself
-        if differing and is_clear and not is_own and all(span.is_enough(found) for span in found):
+        if differing and not is_own and all(span.is_enough(found) for span in found):
             where = f" on {name}" if len(taken) > 1 else ""
             return [
                 f"{span.shown(differing)} after {text}{where}"
                 for text, span in zip(values, found, strict=True)
             ]
     return []
+
+
+def _differing(found: Sequence[_Span]) -> list[str]:
+    """Return the fields that differ from one value given to another; none if one of them varied after the same value."""
+    fields = {field for span in found for field in span.fields}
+    differing = sorted(field for field in fields if len({str(span.fields.get(field)) for span in found}) > 1)
+    is_clear = all(len(span.fields.get(field, [None])) == 1 for span in found for field in differing)
+    return differing if is_clear else []
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import itertools
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
@@ -114,16 +115,18 @@ def _of_flag(
     calls = [
         n for f in functions[:1] for n in walk(f) if isinstance(n, ast.Call) and last_name(n.func) in _BEGINS
     ]
-    for test in _tests_after(source, node, text):
-        is_asked = any(ast.unparse(inner) == text for inner in walk(test))
-        if is_asked and any(node.lineno < call.lineno < test.lineno for call in calls):
-            value, setter = ast.unparse(node.value), setting[0].name
-            cause = f"`{ast.unparse(test)}` always finds {text} as line {node.lineno} has set it, {value}: only {setter}() changes it, which rclpy calls after {functions[0].name}() has returned."
-            fix = f"do in {setter}() what needs {text}"
-            if functions[0].name != "__init__":
-                fix = f"{fix}, or test it at the next call of {functions[0].name}(), above line {node.lineno}"
-            yield Finding("callback-waits", cause, source.at(test), fix)
-            return
+    asking = (
+        test
+        for test in _tests_after(source, node, text)
+        if any(ast.unparse(inner) == text for inner in walk(test))
+        and any(node.lineno < call.lineno < test.lineno for call in calls)
+    )
+    for test in itertools.islice(asking, 1):
+        value, setter, first = ast.unparse(node.value), setting[0].name, functions[0].name
+        cause = f"`{ast.unparse(test)}` always finds {text} as line {node.lineno} has set it, {value}: only {setter}() changes it, which rclpy calls after {first}() has returned."
+        later = f", or test it at the next call of {first}(), above line {node.lineno}"
+        fix = f"do in {setter}() what needs {text}{later * (first != '__init__')}"
+        yield Finding("callback-waits", cause, source.at(test), fix)
 
 
 def old_parameters(sources: NodeSources) -> Iterator[Finding]:

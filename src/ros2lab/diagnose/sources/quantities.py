@@ -289,11 +289,10 @@ class Quantities:
         ):
             return None
         if found:
-            first = found[0]
-            is_sure = len(found) == len(known) and all(map(first.is_like, found))
-            is_summed = any(id(value) in added for _, value in rows)
-            bound = math.inf if is_summed else max(quantity.bound for quantity in found)
-            return replace(first, bound=bound) if is_sure else None
+            is_sure = len(found) == len(known) and all(map(found[0].is_like, found))
+            bounds = (math.inf if id(value) in added else 0.0 for _, value in rows)
+            bound = max(*bounds, *(quantity.bound for quantity in found))
+            return replace(found[0], bound=bound) if is_sure else None
         said, used = named(node), self._uses(scope, node).get(text)
         if used is None or self._has_sine(scope, values) or (said and said.unit):
             return said

@@ -46,15 +46,20 @@ def has_its_period(case: Case, part: Part) -> Answer:
     heard = [player for player in heard if player.run.setting != GIVEN] or heard
     players = [player for player in heard if case.counts(player) and not _is_other(case, player)]
     found = [(player, period) for player in players if (period := period_of(player)) is not None]
-    if not found:
-        total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
-        level = "silent" if not total else "once" if total == 1 else "irregular"
-        first = (players or everybody)[0]
-        # On the real clock, commands follow each other more quickly than messages that only they begin.
-        is_late = not quiet_times(first) and first.run.clock == "real"
-        is_begun = level == "once" and is_late and end is not None and is_written and REPEATS not in end.never
-        return _rhythm("begun" if is_begun else level, first)
-    return _rhythm("empty", found[0][0]) if _is_empty(players) else _of_periods(case, part, found)
+    if found:
+        return _rhythm("empty", found[0][0]) if _is_empty(players) else _of_periods(case, part, found)
+    first = (players or everybody)[0]
+    level = _without_period(players)
+    # On the real clock, commands follow each other more quickly than messages that only they begin.
+    is_late = level == "once" and not quiet_times(first) and first.run.clock == "real"
+    is_begun = is_late and end is not None and is_written and REPEATS not in end.never
+    return _rhythm("begun" if is_begun else level, first)
+
+
+def _without_period(players: Sequence[Player]) -> str:
+    """Return the level of players of whose messages no period is known, by how many came."""
+    total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
+    return "silent" if not total else "once" if total == 1 else "irregular"
 
 
 def _is_empty(players: Sequence[Player]) -> bool:
