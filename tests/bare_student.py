@@ -32,6 +32,8 @@ from deadlines import DEADLINE
 ROOT = Path(__file__).parents[1]
 SUITE, PYTHON = os.environ.get("STUDENT_SUITE", "trixie"), os.environ.get("STUDENT_PYTHON")
 OUTPUTS = ("stream", "display_data", "execute_result", "error")
+FIRST_PORT = 20000  # of those that tests get
+_LEASES = list[socket.socket]()  # of ports
 
 
 def _tool(name: str) -> Any:
@@ -362,7 +364,17 @@ def wait_for_address(log: Path, process: subprocess.Popen[bytes], patience: floa
 
 
 def free_port() -> int:
-    """Return a port that nobody uses now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """Return a port that nobody uses, and that no other test of this machine gets while this process lives.
+
+    Whoever asks the system for any port gets one of a range of its own (Linux, networking/ip-sysctl): these lie below.
+    """
+    limit = int(Path("/proc/sys/net/ipv4/ip_local_port_range").read_text(encoding="ascii").split()[0])
+    for port in range(limit - 1, FIRST_PORT, -1):
+        lease = socket.socket(socket.AF_UNIX)
+        with contextlib.suppress(OSError), socket.socket() as probe:
+            lease.bind(f"\0ros2lab-test-port-{port}")
+            probe.bind(("127.0.0.1", port))
+            _LEASES.append(lease)
+            return port
+        lease.close()
+    raise RuntimeError("All of the ports for tests are used; end some of them.")

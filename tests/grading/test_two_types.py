@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import sys
 from collections.abc import Iterator
 
 import pytest
+from std_msgs.msg import String
 
 from ros2lab.grading.sandbox.worlds import World
 from ros2lab.grading.watching import observe
 from ros2lab.grading.watching.job import Job, Program
 from ros2lab.grading.watching.observe import SHOWN, Observer
+from ros2lab.grading.watching.participants import Participants
+from ros2lab.observed_domain import TEXTS, ObservedDomain
 
 BEGIN = """
 import rclpy
@@ -50,6 +54,24 @@ def observer(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Observer]:
         Observer(world, rooms=observe.AT_ONCE, seconds=math.inf) as observer,
     ):
         yield observer
+
+
+def test_a_participant_for_another_type_is_waited_for_until_it_has_met_the_publishers(
+    domain_id: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with (
+        ObservedDomain(domain_id) as domain,
+        contextlib.closing(Participants(domain.node, domain.node.context, domain_id)) as participants,
+    ):
+        assert participants.holding("/spoken", TEXTS) is domain.node
+        other = participants.holding("/spoken", "std_msgs/msg/Int32")
+        assert not participants.lags()
+        publisher = domain.node.create_publisher(String, "/spoken", 1)
+        assert domain.wait(lambda: not participants.lags())
+        monkeypatch.setattr(other, "count_publishers", lambda _: 0)  # as before it has met it
+        assert participants.lags()
+        domain.node.destroy_publisher(publisher)
+        assert domain.wait(lambda: not participants.lags())
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import contextlib
 import os
 import re
 import shutil
-import socket
 import subprocess
 import sys
 import time
@@ -17,7 +16,7 @@ from typing import Any
 
 import psutil
 
-from bare_student import ROOT, bare_root, clone
+from bare_student import ROOT, bare_root, clone, free_port
 from deadlines import DEADLINE
 
 SUITE = os.environ.get("CLASS_SUITE", "bookworm")
@@ -137,7 +136,7 @@ def class_server(folder: Path) -> Iterator[ClassServer]:
         clone(folder / "mnt" / "ros2lab")
         publish(folder / "mnt" / "ros2lab")
         with _groups() as groups, _booted(folder, groups) as init:
-            server = ClassServer(folder, _free_port(), init, groups[-1])
+            server = ClassServer(folder, free_port(), init, groups[-1])
             try:
                 yield server
             except BaseException:
@@ -215,13 +214,6 @@ def _remove_group(folder: Path) -> None:
             return
         assert time.monotonic() < deadline, f"{folder} still has processes."
         time.sleep(0.1)
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def environment() -> dict[str, str]:

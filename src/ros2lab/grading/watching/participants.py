@@ -41,6 +41,15 @@ class Participants(Listener):
         self._types.append({topic: type_name})
         return self._join()
 
+    def lags(self) -> bool:
+        """Return whether one of them has still to meet a publisher of its topics that the observer's own has met."""
+        met = self.nodes[0].count_publishers
+        return any(
+            node.count_publishers(topic) < met(topic)
+            for node, types in zip(self.nodes[1:], self._types[1:], strict=True)
+            for topic in types
+        )
+
     def _join(self) -> Node:
         context = Context()
         context.init(args=["--ros-args", "--disable-stdout-logs"], domain_id=self._domain)

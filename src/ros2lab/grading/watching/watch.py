@@ -210,13 +210,12 @@ class Watch(ObservedDomain):
         is_new = self.look()
         if self._at_each_turn:
             self._at_each_turn()
+        self.until(lambda: not self._participants.lags(), self.patience)
         if is_new and self.is_answering:
             # A program that answers a new client knows of the endpoints that were made here before.
             self.forget_questions()
-            names = self.asked()
-            self.is_answering = bool(names) and not self.ask(
-                names, self.patience, 2 if self.is_stepped else 1
-            )
+            names, times = self.asked(), 2 if self.is_stepped else 1
+            self.is_answering = bool(names) and not self.ask(names, self.patience, times)
         return is_new
 
     def glimpsed(self) -> set[str]:
