@@ -261,7 +261,8 @@ def test_what_diagnose_calls_in_vain_ends_an_excuse_and_is_told(place: str, poin
         (evidences.VELOCITY, {}, 20),
         (evidences.STATUS, {}, 20),
         (evidences.STATUS, {"quiet": {}}, 14.75),  # it only answers, and never comes by itself
-        (evidences.STATUS, {"handed_on": ["/robot/status"]}, 8),
+        (evidences.STATUS, {"handed_on": ["/robot/status"], "quiet": {}}, 8),
+        (evidences.STATUS, {"handed_on": ["/robot/status"]}, 20),
     ],
 )
 def test_what_comes_of_something_that_is_given_is_right(
@@ -333,14 +334,29 @@ def test_what_is_seen_counts_whatever_is_imported() -> None:
 
 def _silent(given: list[str]) -> Evidence:
     """Return the evidence of a velocity that comes only of something else, or not even then."""
-    silent = evidences.runs(evidences.velocity_run(values=[]))(evidences.right())
+    alone = replace(evidences.velocity_run(values=[]), waits=given)
+    silent = evidences.runs(alone)(evidences.right())
     return replace(silent, runs=[*silent.runs, replace(evidences.velocity_run(), setting=GIVEN, given=given)])
 
 
-def test_a_node_that_receives_what_it_waits_for_is_right() -> None:
-    """It publishes when there is odometry, as it should."""
-    grade = _graded(_silent(["/odom"]))
-    assert grade.components["velocity_publisher"].points == 20
+@pytest.mark.parametrize(
+    ("waits", "given", "needed"),
+    [
+        (["/odom"], ["/odom"], "/odom"),
+        (["/odom", "/enable"], ["/enable", "/map", "/odom"], "/enable and /odom"),
+        ([], ["/odom"], ""),  # it is another node's
+        (["/odom"], [], ""),
+    ],
+)
+def test_a_node_that_waits_for_what_nobody_brings_loses_some_of_its_life(
+    waits: list[str], given: list[str], needed: str
+) -> None:
+    """It publishes when there is odometry, and is silent in the workspace as it was handed in."""
+    waiting = evidences.runs(replace(evidences.velocity_run(values=[]), waits=waits))(evidences.right())
+    grade = _graded(replace(waiting, runs=[*waiting.runs, _silent(given).runs[-1]]))
+    life = next(one for one in grade.criteria if one.id == "velocity_publisher.life")
+    assert grade.components["velocity_publisher"].points == (17 if needed else 20)
+    assert (f"nothing comes on /cmd_vel before it is given {needed}, which" in life.reason) == bool(needed)
 
 
 def test_a_node_that_waits_for_more_than_default_values_is_not_tried() -> None:
@@ -370,14 +386,35 @@ def test_an_error_of_its_own_is_charged_whatever_is_imported() -> None:
     assert _graded(given(_needing(evidences.VELOCITY))).components["velocity_publisher"].points < 10
 
 
-@pytest.mark.parametrize(("kind", "points"), [(ODOMETRY, 20), (evidences.TWIST, 9)])
-def test_what_is_given_to_a_node_is_not_its_own(kind: str, points: float) -> None:
-    """A velocity for each odometry is made of it; one for each velocity is the one that was given."""
+@pytest.mark.parametrize(
+    ("kind", "is_answer", "changes", "points"),
+    [
+        (ODOMETRY, False, {}, 17),
+        (ODOMETRY, True, {}, 13),
+        (evidences.TWIST, False, {}, 17),
+        (evidences.TWIST, True, {}, 12),  # a limiter, or one that holds some back
+        (evidences.TWIST, True, {"handed_on": ["/cmd_vel"]}, 9),
+        (evidences.TWIST, False, {"handed_on": ["/cmd_vel"]}, 17),
+    ],
+)
+def test_what_is_given_to_a_node_is_not_its_own(
+    kind: str, is_answer: bool, changes: dict[str, Any], points: float
+) -> None:
+    """A velocity for each odometry is made of it, one for each velocity of that; what comes by itself is its own."""
     silent = _silent(["/input"])
-    takes = {"/input": {"/velocity_publisher": [kind]}}
-    last = replace(silent.runs[-1], subscribes=takes)
-    grade = _graded(replace(silent, runs=[*silent.runs[:-1], last]))
-    assert grade.components["velocity_publisher"].points == points
+    last, takes = silent.runs[-1], {"/input": {"/velocity_publisher": [kind]}}
+    last = replace(last, subscribes=takes, meanwhile=last.quiet, quiet={} if is_answer else last.quiet)
+    silent = replace(silent, runs=[*silent.runs[:-1], replace(last, **changes)])
+    assert _graded(silent).components["velocity_publisher"].points == points
+
+
+def test_what_comes_from_a_timer_while_something_is_new_is_no_answer() -> None:
+    """It stops as soon as nothing is given any more."""
+    silent = _silent(["/odom"])
+    last = replace(silent.runs[-1], meanwhile=silent.runs[-1].quiet, quiet={})
+    timed = WrittenEnd("/cmd_vel", evidences.TWIST, True, [0.1], evidences.VELOCITY)
+    silent = evidences.files(ends=[timed])(replace(silent, runs=[*silent.runs[:-1], last]))
+    assert _graded(silent).components["velocity_publisher"].points == 17
 
 
 @pytest.mark.parametrize(

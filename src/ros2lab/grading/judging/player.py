@@ -156,21 +156,15 @@ class Player:
 
     @property
     def heard_at(self) -> list[tuple[str, Heard]]:
-        """The same, each with its key in the evidence; nothing where its node only handed on what was given to it."""
+        """The same, each with its key in the evidence; not what only repeats what was given to it, or the words."""
         run, place = self.run, f"runs[{self.number}]"
-        stretches = (
-            []
-            if self._hands_on
-            else [
-                (f"{place}.quiet", run.quiet),
-                (f"{place}.meanwhile", run.meanwhile),
-                *((f"{place}.calls[{n}].topics", call.topics) for n, call in enumerate(run.calls)),
-                *(
-                    (f"{place}.commands[{n}].topics", command.topics)
-                    for n, command in enumerate(run.commands)
-                ),
-            ]
-        )
+        said = [] if self._repeats_words else run.commands
+        stretches = [
+            (f"{place}.quiet", run.quiet),
+            *([] if self.topic in run.handed_on else [(f"{place}.meanwhile", run.meanwhile)]),
+            *((f"{place}.calls[{n}].topics", call.topics) for n, call in enumerate(run.calls)),
+            *((f"{place}.commands[{n}].topics", command.topics) for n, command in enumerate(said)),
+        ]
         return [
             (f"{key}.{self.topic}", topics[self.topic])
             for key, topics in stretches
@@ -178,17 +172,20 @@ class Player:
         ]
 
     @property
-    def _hands_on(self) -> bool:
-        """Whether its node says what it was given, or the words that it takes, and nothing else.
+    def is_relay(self) -> bool:
+        """Whether its node was given messages of the very type that is asked of it, to do something with them."""
+        taken = (self.run.subscribes.get(name, {}).get(self.node, ()) for name in self.run.given)
+        return any(self.part.type_name in types for types in taken)
 
-        Messages of its part's type are enough: what it makes of them is theirs.
-        """
+    @property
+    def only_answers(self) -> bool:
+        """Whether all that came from it came while something was given to it."""
+        return [key for key, _ in self.heard_at] == [f"runs[{self.number}].meanwhile.{self.topic}"]
+
+    @property
+    def _repeats_words(self) -> bool:
+        """Whether its node says the words that it takes, and nothing else."""
         run, topic = self.run, self.topic
-        taken = (run.subscribes.get(name, {}).get(self.node, ()) for name in run.given)
-        if self.part.is_publisher and any(self.part.type_name in types for types in taken):
-            return True
-        if run.gave:
-            return topic in run.handed_on
         said = [
             (value.get("data"), command.text)
             for command in run.commands

@@ -12,7 +12,17 @@ from ros2lab.grading.judging.by_type import owners_of
 from ros2lab.grading.judging.excuses import unused
 from ros2lab.grading.judging.player import PLAIN_SETTINGS, STAND_IN, Player, is_for_want, of_one_node, stamped
 from ros2lab.grading.judging.players import Case, may_end
-from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown, tells_error
+from ros2lab.grading.judging.sisters import lost_sister
+from ros2lab.grading.questions.answer import (
+    Answer,
+    ended,
+    last_word,
+    listed,
+    question,
+    raised_at,
+    shown,
+    tells_error,
+)
 from ros2lab.grading.sandbox.keeper import is_limit
 
 # Findings that explain why a node does not run, or does not do what it should.
@@ -144,8 +154,8 @@ def _written_type(case: Case, player: Player) -> str:
 
 
 @question(
-    "lives dies ends cut stops silent missing",
-    "program last end topic after",
+    "lives waits dies ends cut stops silent missing",
+    "program last end topic after needed",
     CODES,
     mute="dies ends stops silent",
 )
@@ -156,7 +166,7 @@ def goes_on(case: Case, part: Part) -> Answer:
     a request counts at the service.
     """
     player = case.whole(part)
-    seen = {"program": "", "last": "", "end": "", "topic": "", "after": "a few messages"}
+    seen = {"program": "", "last": "", "end": "", "topic": "", "after": "a few messages", "needed": ""}
     if player is None:
         return Answer("missing", seen, ("runs",))
     seen |= {"program": shown(player.program or player.node), "topic": shown(player.topic)}
@@ -177,7 +187,18 @@ def goes_on(case: Case, part: Part) -> Answer:
             seen["after"] = _said(one.run.commands[number])
             return Answer("stops", seen, (f"runs[{one.number}].commands[{number}]",), shown(one.node))
     is_silent = not any(candidate.is_heard for candidate in its_own)
-    return Answer("silent" if is_silent else "lives", seen, key, shown(player.node))
+    seen["needed"] = _needed(case, part, player)
+    level = "silent" if is_silent else "waits" if seen["needed"] else "lives"
+    return Answer(level, seen, key, shown(player.node))
+
+
+def _needed(case: Case, part: Part, player: Player) -> str:
+    """Return what a part's node was silent without, and only the grader brings; empty if there is nothing of that kind."""
+    program = case.executables.get(player.program)
+    if player.run.setting != GIVEN or program is None or program.absent or lost_sister(case, part):
+        return ""
+    alone = [run for run in case.evidence.runs if run.setting == "alone" and run.programs == [program.name]]
+    return listed([name for name in player.run.given if any(name in run.waits for run in alone)])
 
 
 def _said(command: CommandSeen) -> str:

@@ -93,7 +93,7 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
 
 
 @question(
-    "repeated changed once echoed silent written missing",
+    "repeated changed once echoed answered silent written missing",
     "topic",
     nodes.CODES,
     ("publisher",),
@@ -102,18 +102,19 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
 )
 def comes_again(case: Case, part: Part) -> Answer:
     """Whether messages come repeatedly, or whenever something changes."""
-    players = of_one_node(case.players[part.name], case.main(part))
-    if not players:
-        end = case.written(part)
-        level = "written" if end and end.periods else "missing"
-        return Answer(level, {"topic": ""}, ("runs", "files.ends"))
-    players = [player for player in players if case.counts(player)] or players
+    everybody = of_one_node(case.players[part.name], case.main(part))
+    end = case.written(part)
+    is_timed = end is not None and bool(end.periods)
+    if not everybody:
+        return Answer("written" if is_timed else "missing", {"topic": ""}, ("runs", "files.ends"))
+    players = [player for player in everybody if case.counts(player)] or everybody
     totals = [sum(heard.count for heard in player.heard) for player in players]
     most = max(totals)
     best = players[totals.index(most)]
     level = "repeated" if most > 1 else "once" if most else "silent"
-    everybody = of_one_node(case.players[part.name], case.main(part))
-    if level == "repeated" and not any(_comes_by_itself(player) for player in everybody):
+    if level == "repeated" and best.only_answers and not is_timed:
+        level = "answered"
+    elif level == "repeated" and not any(_comes_by_itself(player) for player in everybody):
         is_echo = _is_echo(everybody) and not _may_change(case, everybody)
         level = "echoed" if is_echo or any(_is_at_random(case, player) for player in everybody) else "changed"
     keys = [best.quiet_key] if best.topic in best.run.quiet else []
@@ -216,7 +217,7 @@ def comes_when_it_should(case: Case, part: Part) -> Answer:
 
 
 @question(
-    "right sent_once not_finite tiny refused no_numbers silent missing",
+    "right relayed sent_once not_finite tiny refused no_numbers silent missing",
     "value field sent",
     nodes.CODES,
     ("publisher",),
@@ -244,7 +245,8 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
         for value in heard.values
         for name, number in numbers_in(value)
     ]
-    level = "right" if numbers else "no_numbers"
+    level = "relayed" if player.only_answers and player.is_relay else "right"
+    level = level if numbers else "no_numbers"
     key = player.quiet_key if player.topic in player.run.quiet else player.key
     wrong = [entry for entry in numbers if not _is_usable(entry[-1])]
     # What comes of made-up numbers only now and then may never come.
