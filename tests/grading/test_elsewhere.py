@@ -192,8 +192,8 @@ def test_an_excuse_reaches_as_far_as_the_code_shows(program: str, does: list[str
 @pytest.mark.parametrize(("does", "points"), [(["publishes"], 20), (None, 20), ([], 6.5)])
 def test_a_node_waits_only_for_what_it_would_do_something_with(does: list[str] | None, points: float) -> None:
     """One that never publishes is silent with or without a permission."""
-    silent = _silent(["/motors/permit"])
-    last = replace(silent.runs[-1], quiet={})
+    silent = _silent([])
+    last = replace(silent.runs[-1], quiet={}, ungiven={"/motors/permit": "motor_msgs/srv/Permit"})
     end = WrittenEnd("/cmd_vel", "geometry_msgs/msg/Twist", True, [], evidences.VELOCITY, does)
     given = evidences.files(ends=[end])(replace(silent, runs=[*silent.runs[:-1], last]))
     assert _graded(given).components["velocity_publisher"].points == points
@@ -301,7 +301,6 @@ _LAST = "Traceback (most recent call last):\n"
         ({"gave": {"/odom": evidences.STRING}, "ended": {evidences.VELOCITY: f"{_LAST}NameError: x"}}, 9),
         ({"ungiven": {"/dock": "dock_msgs/action/Dock"}}, 20),
         ({"gave": {"/odom": ODOMETRY}, "ungiven": {"/dock": "dock_msgs/action/Dock"}}, 20),
-        ({"gave": {}}, 20),  # older evidence, of default values
         ({"given": [], "nodes": [], "unfinished": "others of the submission took 300 s"}, 20),
     ],
 )
@@ -359,15 +358,12 @@ def test_a_node_that_waits_for_what_nobody_brings_loses_some_of_its_life(
     assert (f"nothing comes on /cmd_vel before it is given {needed}, which" in life.reason) == bool(needed)
 
 
-def test_a_node_that_waits_for_more_than_default_values_is_not_tried() -> None:
-    """What else it needs nobody knows here."""
-    silent = _silent(["/odom"])
-    last = replace(
-        silent.runs[-1], quiet={}, ended={evidences.VELOCITY: "IndexError: list index out of range"}
-    )
+def test_what_cannot_be_given_is_told() -> None:
+    """Nor is the end of a program that was given something a fault of its own."""
+    silent, ended = _silent([]), {evidences.VELOCITY: "IndexError: list index out of range"}
+    last = replace(silent.runs[-1], quiet={}, ended=ended, ungiven={"/dock": "dock_msgs/action/Dock"})
     grade = _graded(replace(silent, runs=[*silent.runs[:-1], last]))
-    assert grade.components["velocity_publisher"].points == 20
-    assert any("waits for what nobody here brings on /odom" in one.reason for one in grade.criteria)
+    assert any("waits for what nobody here brings on /dock" in one.reason for one in grade.criteria)
     assert not any("IndexError" in str(one) for one in (*grade.criteria, *grade.faults, *grade.notes))
 
 
@@ -478,18 +474,8 @@ def test_a_gate_is_judged_in_one_way_whoever_waits_behind_it(taker: str, points:
     deaf = replace(deaf, subscribes=deaf.subscribes | takes)
     silent = evidences.velocity_run(values=[])
     given = evidences.right([evidences.status_run(), deaf, silent])
-    last = replace(silent, setting=GIVEN, given=["/odom"], subscribes=takes)
+    last = replace(silent, setting=GIVEN, ungiven={"/odom": ODOMETRY}, subscribes=takes)
     assert _graded(replace(given, runs=[*given.runs, last])).components["command_subscriber"].points == points
-
-
-def test_what_the_work_should_bring_itself_is_not_waited_for() -> None:
-    """A topic of a type that the assignment's parts have is between its own nodes."""
-    silent = _silent(["/robot_state"])
-    ends = {"/robot_state": {"/velocity_publisher": ["std_msgs/msg/String"]}}
-    last = replace(silent.runs[-1], quiet={}, subscribes=ends)
-    assert (
-        _graded(replace(silent, runs=[*silent.runs[:-1], last])).components["velocity_publisher"].points == 9
-    )
 
 
 def test_what_the_code_shows_comes_before_what_is_missing_here() -> None:

@@ -383,6 +383,18 @@ raise SystemExit("over")
 """,
     "gated": _GATED,
     "waits": _WAITS,
+    "switched": f"""
+from std_srvs.srv import SetBool
+rclpy.init()
+{STATUS}
+on = []
+def switch(request, response):
+    on[:] = [True] * request.data
+    return response
+node.create_service(SetBool, "/enable", switch)
+node.create_timer(0.2, lambda: on and tell())
+rclpy.spin(node)
+""",
     "managed": """
 from rclpy.lifecycle import Node as Managed, TransitionCallbackReturn
 class Status(Managed):
@@ -1014,6 +1026,7 @@ def test_what_waits_for_flags_is_given_them_in_each_way(
         (["Float32", "False", "out.publish(Twist())"], []),
         (["Twist", "True", "out.publish(message)"], ["/cmd_vel"]),
         (["Twist", "message.linear.x < 5.0", "message.linear.x /= 2; out.publish(message)"], ["/cmd_vel"]),
+        (["Twist", "message.linear.x > 0.0", "out.publish(message)"], ["/cmd_vel"]),  # it holds some back
     ],
 )
 def test_what_waits_for_a_message_is_given_it(observer: Observer, what: list[str], heard: list[str]) -> None:
@@ -1025,6 +1038,14 @@ def test_what_waits_for_a_message_is_given_it(observer: Observer, what: list[str
     assert [*run.meanwhile] == heard
     assert run.handed_on == (heard if what[1] == "True" else [])
     assert (run.ungiven, run.unfinished) == ({}, "")
+    assert "/cmd_vel" not in run.quiet
+
+
+def test_what_a_request_switches_on_is_left_on(observer: Observer) -> None:
+    """So that its rhythm is seen, whatever the last request but one was."""
+    (run,) = observer.watch([Job.given([program("switched")], {})])
+    assert run.given == ["/enable"]
+    assert run.quiet["/robot/status"].count > 3
 
 
 @pytest.mark.parametrize("is_willing", [True, False])

@@ -115,7 +115,8 @@ def waiting(part: str, *, is_given: bool) -> Evidence:
         VELOCITY: [evidences.status_run(), evidences.command_run()],
     }
     evidence = evidences.right([waits, other, *rest[part]])
-    given = replace(waits, programs=[*waits.programs, *other.programs], setting=GIVEN, given=["/scan"])
+    given = replace(waits, programs=[*waits.programs, *other.programs], setting=GIVEN)
+    given = replace(given, ungiven={"/scan": "scanner_msgs/msg/Scan"})
     return replace(evidence, runs=[*evidence.runs, given]) if is_given else evidence
 
 
@@ -245,10 +246,12 @@ def test_what_is_only_handed_on_is_told() -> None:
     assert "hands on" not in str([*judged(relay("/odom", "nav_msgs/msg/Odometry")).values()])
 
 
-def for_want_of_a_sister(topic: str, *, is_lost: bool = True, spins: bool = True) -> Evidence:
-    """Return evidence of a velocity that takes what the command subscriber says on a topic."""
+def for_want_of_a_sister(
+    topic: str, *, is_lost: bool = True, spins: bool = True, given: Run | None = None
+) -> Evidence:
+    """Return evidence of a velocity that takes what the command subscriber says on a topic, also as it was given that."""
     silent = evidences.velocity_run(values=[])
-    taker = replace(silent, subscribes={topic: {silent.nodes[0]: [STRING]}})
+    taker = replace(silent, subscribes={topic: {silent.nodes[0]: [STRING]}}, waits=[topic])
     evidence = evidences.right([evidences.status_run(), evidences.command_run(), taker])
     ends = [
         WrittenEnd(topic, STRING, True, [], COMMAND),
@@ -258,7 +261,9 @@ def for_want_of_a_sister(topic: str, *, is_lost: bool = True, spins: bool = True
     evidence = evidences.without(COMMAND, BATTERY)(evidence) if is_lost else evidence
     assert evidence.build
     programs = [replace(one, never_spins=not spins) for one in evidence.build.executables]
-    return replace(evidence, build=replace(evidence.build, executables=programs))
+    gave = {"setting": GIVEN, "given": [topic], "gave": {topic: STRING}, "subscribes": taker.subscribes}
+    runs = [*evidence.runs, *([replace(given, **gave)] if given else [])]
+    return replace(evidence, build=replace(evidence.build, executables=programs), runs=runs)
 
 
 @pytest.mark.parametrize(
@@ -269,6 +274,8 @@ def for_want_of_a_sister(topic: str, *, is_lost: bool = True, spins: bool = True
         (for_want_of_a_sister("/robot/command"), 6.5),  # its node plays that part, too
         (for_want_of_a_sister("/accepted", is_lost=False), 9),
         (for_want_of_a_sister("/accepted", spins=False), 9),
+        (for_want_of_a_sister("/accepted", given=evidences.velocity_run()), 20),
+        (for_want_of_a_sister("/accepted", given=evidences.velocity_run(values=[])), 9),  # its own fault
     ],
 )
 def test_the_end_of_one_program_is_paid_once(evidence: Evidence, expected: float) -> None:

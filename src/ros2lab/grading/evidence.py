@@ -342,8 +342,7 @@ class Run:
         calls: calls of services, in order.
         waits: what its nodes take, offer or call, and no other one brings: topics but the commands', services, actions.
         given: those of them that were given something.
-        tried: of older evidence, where all were default values: those that were given every possible value.
-        gave: the type of each of them; empty in older evidence.
+        gave: the type of each of them.
         ungiven: those that could not be given, with their types.
         meanwhile: what was published while something was given; `quiet` and `commands` came after it.
         handed_on: the topics on which nothing came meanwhile but what was given.
@@ -376,7 +375,6 @@ class Run:
     calls: list[ServiceCall] = field(default_factory=list)
     waits: list[str] = field(default_factory=list)
     given: list[str] = field(default_factory=list)
-    tried: list[str] = field(default_factory=list)
     gave: dict[str, str] = field(default_factory=dict)
     ungiven: dict[str, str] = field(default_factory=dict)
     meanwhile: dict[str, Heard] = field(default_factory=dict)

@@ -30,7 +30,7 @@ _WORDS = {
 }
 
 
-_GONE = frozenset(("paces",))  # fields of older evidence that nothing asks for any more
+_GONE = frozenset(("paces", "tried"))  # fields of older evidence that nothing asks for any more
 
 
 class EvidenceError(Exception):

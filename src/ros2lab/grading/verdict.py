@@ -365,9 +365,8 @@ def _notes_of(run: Run, brief: Collection[str], part: Part | None) -> Iterator[s
             how = "by itself: it shut down all that it had started"
         yield f"{shown(name)}, {shown(run.setting)}: it ended {how}{after}."
     if run.given:
-        what = [f"{name} ({run.gave[name]})" if name in run.gave else name for name in run.given]
-        values = "made-up contents" if run.gave else "default values"
-        yield f"Messages, requests or responses of {values} were given, for nobody in the hand-in brings any: {listed(what)}."
+        what = [f"{name} ({run.gave.get(name, '')})" for name in run.given]
+        yield f"Messages, requests or responses of made-up contents were given, for nobody in the hand-in brings any: {listed(what)}."
 
 
 def _published(text: str, part: Part | None) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from pathlib import PurePosixPath
 from typing import NamedTuple
 
@@ -163,9 +163,7 @@ def _not_given(case: Case, part: Part, players: Sequence[Player]) -> str:
     everybody = of_one_node(case.players[part.name], case.main(part))
     if any(player.is_heard for player in everybody if player.run.setting == GIVEN):
         return ""
-    missing = {
-        name for run in runs for name in (run.ungiven if run.gave or run.ungiven else _of_others(case, run))
-    }
+    missing = {name for run in runs for name in run.ungiven}
     if part.end == "subscription":  # it takes itself what opens it
         missing &= {topic for player in players for topic in _taken(player.run, {player.node})}
     if missing:
@@ -173,14 +171,6 @@ def _not_given(case: Case, part: Part, players: Sequence[Player]) -> str:
     ended = (_ended_by_text(case, run, players) for run in runs)
     late = (run.unfinished for run in runs if not run.nodes)
     return next(filter(None, (*ended, *late)), "")
-
-
-def _of_others(case: Case, run: Run) -> Iterator[str]:
-    """Yield what was given some default values, as in older evidence, but what the work should bring itself."""
-    own = {part.type_name for part in case.assignment.parts.values()}
-    for name in {*run.given} - {*run.tried}:
-        if own.isdisjoint(kind for kinds in run.subscribes.get(name, {}).values() for kind in kinds):
-            yield name
 
 
 def _ended_by_text(case: Case, run: Run, players: Sequence[Player]) -> str:

@@ -216,7 +216,7 @@ class Player:
     @property
     def is_fit_after_given(self) -> bool:
         """Whether what came in a run in which something was given is its own: what it publishes, or a later reaction."""
-        return self.part.is_publisher or bool(self.run.gave and not self.run.ended)
+        return self.part.is_publisher or not self.run.ended
 
     @property
     def comes_by_itself(self) -> bool:

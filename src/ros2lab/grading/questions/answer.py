@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 from ros2lab.assignments import End, Part
 from ros2lab.diagnose import net
 from ros2lab.diagnose.printed.ignored import without_ignored
-from ros2lab.grading.evidence import DOCUMENTED, KEYBOARD, Run
+from ros2lab.grading.evidence import DOCUMENTED, KEYBOARD
 from ros2lab.grading.judging.excuses import Excuse, excuse
-from ros2lab.grading.judging.player import Player, finds_no_keyboard
+from ros2lab.grading.judging.player import finds_no_keyboard
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.judging.sisters import lost_sister
 from ros2lab.grading.reading.unread import FAILED, NO_FAULT, missing
@@ -159,21 +159,15 @@ def _handed_on(case: Case, part: Part) -> str:
     player = case.main(part)
     if player is None or not part.is_publisher:
         return ""
-    runs = [run for run in case.evidence.runs if _is_told(player, run)]
     taken = {
         topic
-        for run in runs
+        for run in case.evidence.runs
+        if any(player.topic in topics for topics in run.stretches)
         if player.node in run.publishes.get(player.topic, ()) and not replace(player, run=run).is_heard
         for topic in (*run.given, run.commanded)
         if player.node in run.subscribes.get(topic, ())
     }
     return f" but what {shown(player.node)} hands on from {listed(sorted(taken))}" if taken else ""
-
-
-def _is_told(player: Player, run: Run) -> bool:
-    """Return whether something of a player's types came on its topic in a run."""
-    heard = (topics[player.topic] for topics in run.stretches if player.topic in topics)
-    return any(one.type_name in player.types for one in heard)
 
 
 def asked(part: Part) -> dict[str, str]:

@@ -28,6 +28,7 @@ HOLDS, HOLD = 8, 2.2  # s
 LONGEST = 28.0  # s in all
 # Texts and services may end or stop a program, so that what else is given must come first.
 FIRST_TEXT, FIRST_CALL = 6, 8  # turns
+MOST = 0.75  # of what was given; what a node holds back of it is a choice of its own
 STAYS = 3  # turns, in which something may come of a call, or of a message that holds no number
 ANSWER_TIMEOUT = 2.0  # s, for the last answers
 MANAGES = "lifecycle_msgs/srv/ChangeState"  # makes a managed node begin
@@ -79,7 +80,8 @@ class Given:
         self._flags: list[str] = []  # the topics of a single flag
         self._counts: dict[str, int] = defaultdict(int)  # what was given on each topic or service
         self._last: dict[str, Any] = {}  # what was given in this turn
-        self._said: dict[str, set[str]] = defaultdict(set)  # by type, the messages that were given
+        # By type and topic, the messages that were given.
+        self._said: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
         self._publishers: dict[str, Any] = {}
         self._clients: dict[str, Any] = {}
         self._services: dict[str, Any] = {}
@@ -91,13 +93,13 @@ class Given:
         return {"given": [*types], "gave": types, "ungiven": ungiven, "fatal": self.fatal, "when": self.when}
 
     def handed_on(self, heard: Mapping[str, Mapping[str, Any]]) -> list[str]:
-        """Return the topics on which nothing was heard but messages that were given, of the same type."""
-        return [
-            topic
-            for topic, seen in sorted(heard.items())
-            if seen["values"]
-            and all(_text(value) in self._said[seen["type_name"]] for value in seen["values"])
-        ]
+        """Return the topics on which nothing was heard but messages that were given, of the same type, and most of them."""
+        found = []
+        for topic, seen in sorted(heard.items()):
+            said = self._said.get(seen["type_name"])
+            if said and {*map(_text, seen["values"])} <= {text for given in said.values() for text in given}:
+                found += [topic] * (seen["count"] > MOST * min(map(len, said.values())))
+        return found
 
     def give_all(self) -> None:
         """Give everything, turn by turn, and wait after each until the nodes have taken it.
@@ -136,14 +138,16 @@ class Given:
             watch.look_again()
 
     def _holds(self, end: float) -> None:
-        """Give everything once more, and leave it so for a while; again, until no publisher is silent."""
+        """Give everything once more, and leave it so for a while; again, until no publisher is silent then."""
         watch = self._watch
+        before = {topic: ear.total for topic, ear in watch.ears.items()}
 
         def is_heard() -> bool:
-            return all(watch.ears[topic].total for topic in watch.publishes if topic in watch.ears)
+            topics = watch.publishes.keys() & watch.ears.keys()
+            return all(watch.ears[topic].total > before.get(topic, 0) for topic in topics)
 
         for number in range(HOLDS):
-            if is_heard() or time.monotonic() > end:
+            if (number and is_heard()) or time.monotonic() > end:
                 return
             self._note_ends()
             self._hold = number
@@ -181,7 +185,7 @@ class Given:
             if self._hold is not None:  # the flags in each way that there is; first all are set
                 made.data = not self._hold >> self._flags.index(topic) & 1
         self._publishers[topic].publish(made)
-        self._said[type_name(message)].add(_text(plain(made)))
+        self._said[type_name(message)][topic].append(_text(plain(made)))
         self.types[topic] = type_name(message)
 
     def _call(self, service: str, kind: Any) -> None:
@@ -193,7 +197,8 @@ class Given:
         pending, client = self._pending.get(service), self._clients[service]
         late = self._number - FIRST_CALL - STAYS * self._counts[service]
         is_begun = type_name(kind) == MANAGES
-        is_due = self._counts[service] < len(BEGIN) if is_begun else late >= 0
+        is_late = late >= 0 or self._hold is not None
+        is_due = self._counts[service] < len(BEGIN) if is_begun else is_late
         if not is_due or (pending is not None and not pending.done()) or not client.service_is_ready():
             return
         request = self._filled(service, kind.Request())
