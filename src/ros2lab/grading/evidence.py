@@ -24,6 +24,7 @@ OTHER_TYPE = ("colcon does not take it for an ament_python package", "colcon lis
 NO_WORD = "colcon ended without an error, and nothing was installed."  # as the error of a build
 DOCUMENTED = "documented"  # the setting of a run of a silent program with the parameters of the README
 GIVEN = "given"  # the setting of a run in which programs receive what they may wait for
+TIMED = "ros2lab: a timer of the launch file shuts everything down."  # in the log of a launched run
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.spelling import is_near_miss
-from ros2lab.grading.evidence import Run
+from ros2lab.grading.evidence import TIMED, Run
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, ended, is_shut_down, listed, question, shown
 
@@ -168,7 +168,13 @@ def _path_of(case: Case, run: Run) -> str:
 
 
 def _has_ended(run: Run) -> bool:
-    return bool(run.ended) and not any(command.is_alive for command in run.commands)
+    return _is_timed(run) or (bool(run.ended) and not any(command.is_alive for command in run.commands))
+
+
+def _is_timed(run: Run) -> bool:
+    """Return whether launch began a timer that shuts everything down, whatever runs then."""
+    logs = (run.log, *(command.log for command in run.commands))
+    return any(text == TIMED for log in logs for _, text in log)
 
 
 def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Answer:
@@ -183,7 +189,7 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
         return Answer("ended", seen, keys, shown(path))
     if _has_ended(run):
         said = run.ended.get(file, "")
-        level = "shut_down" if is_shut_down(said) else "nothing"
+        level = "shut_down" if is_shut_down(said) or _is_timed(run) else "nothing"
         told = {"lost": f": it ended {ended(said, 'with')}" if said else ""}
     else:
         level, told = _of_nodes(case, run, path, is_installed=is_installed)

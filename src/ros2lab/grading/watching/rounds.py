@@ -14,6 +14,7 @@ from ros2lab.grading.judging.players import may_end
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.grading.sandbox.worlds import FILES
 from ros2lab.grading.senses import is_still
+from ros2lab.grading.watching import launch_told
 from ros2lab.grading.watching.clocks import otherwise
 from ros2lab.grading.watching.job import UNTOLD, Job, Program
 from ros2lab.grading.watching.keyboard import Search, answers
@@ -350,7 +351,7 @@ def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Pr
         name, owner = PurePosixPath(path).name, _owner(submission, path)
         is_installed = owner and any(PurePosixPath(shared).name == name for shared in built.shared)
         words = [owner, name] if is_installed else [f"{FILES}/{path}"]
-        yield Program(name, ["ros2", "launch", *words], built.environ)
+        yield Program(name, launch_told.command(words), built.environ)
 
 
 def _owner(submission: Submission, path: str) -> str:
