@@ -261,7 +261,6 @@ def test_what_diagnose_calls_in_vain_ends_an_excuse_and_is_told(place: str, poin
         (evidences.VELOCITY, {}, 20),
         (evidences.STATUS, {}, 20),
         (evidences.STATUS, {"quiet": {}}, 14.75),  # it only answers, and never comes by itself
-        (evidences.STATUS, {"handed_on": ["/robot/status"], "quiet": {}}, 8),
         (evidences.STATUS, {"handed_on": ["/robot/status"]}, 20),
     ],
 )
@@ -388,8 +387,8 @@ def test_an_error_of_its_own_is_charged_whatever_is_imported() -> None:
         (ODOMETRY, False, {}, 17),
         (ODOMETRY, True, {}, 13),
         (evidences.TWIST, False, {}, 17),
-        (evidences.TWIST, True, {}, 12),  # a limiter, or one that holds some back
-        (evidences.TWIST, True, {"handed_on": ["/cmd_vel"]}, 9),
+        (evidences.TWIST, True, {}, 13),  # a limiter, or one that holds some back
+        (evidences.TWIST, True, {"handed_on": ["/cmd_vel"]}, 11),
         (evidences.TWIST, False, {"handed_on": ["/cmd_vel"]}, 17),
     ],
 )

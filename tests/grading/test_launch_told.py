@@ -13,7 +13,7 @@ import pytest
 from ros2lab.grading.evidence import TIMED
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
-from ros2lab.grading.watching.launch_told import command
+from ros2lab.grading.watching.rounds import LAUNCH
 
 _FILE = """
 from launch import LaunchDescription
@@ -53,7 +53,7 @@ def test_launch_tells_of_a_timer_that_ends_all(tmp_path: Path, action: str, is_t
     file.write_text(_FILE.format(action), encoding="utf-8")
     environ = os.environ | {"ROS_LOG_DIR": str(tmp_path)}
     done = subprocess.run(
-        command([str(file)]), capture_output=True, text=True, env=environ, timeout=60, check=True
+        [*LAUNCH, str(file)], capture_output=True, text=True, env=environ, timeout=60, check=True
     )
     assert (TIMED in done.stdout.splitlines()) is is_timed
     assert "process has finished cleanly" in done.stdout + done.stderr

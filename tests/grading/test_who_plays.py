@@ -237,13 +237,12 @@ def relay(given: str, kind: str = TWIST) -> Evidence:
 
 
 def test_what_is_only_handed_on_is_told() -> None:
-    """It does not count, and it came."""
-    found = judged(relay("/cmd_vel_raw"))
-    for question in ("repetition", "values", "life"):
-        one = found[f"velocity_publisher.{question}"]
-        assert one.points == 0
-        assert "but what /velocity_publisher hands on from /cmd_vel_raw" in one.reason
-    assert "hands on" not in str([*judged(relay("/odom", "nav_msgs/msg/Odometry")).values()])
+    """Its numbers are others', and it comes only in answer."""
+    found, told = judged(relay("/cmd_vel_raw")), "each message is one that its node was given"
+    assert told in found["velocity_publisher.values"].reason
+    assert found["velocity_publisher.repetition"].points == 0
+    assert "only in answer" in found["velocity_publisher.repetition"].reason
+    assert told not in str([*judged(relay("/odom", "nav_msgs/msg/Odometry")).values()])
 
 
 def for_want_of_a_sister(

@@ -156,12 +156,12 @@ class Player:
 
     @property
     def heard_at(self) -> list[tuple[str, Heard]]:
-        """The same, each with its key in the evidence; not what only repeats what was given to it, or the words."""
+        """The same, each with its key in the evidence; nothing that follows commands where it only repeats these."""
         run, place = self.run, f"runs[{self.number}]"
-        said = [] if self._repeats_words else run.commands
+        said = [] if self.repeats_words else run.commands
         stretches = [
             (f"{place}.quiet", run.quiet),
-            *([] if self.topic in run.handed_on else [(f"{place}.meanwhile", run.meanwhile)]),
+            (f"{place}.meanwhile", run.meanwhile),
             *((f"{place}.calls[{n}].topics", call.topics) for n, call in enumerate(run.calls)),
             *((f"{place}.commands[{n}].topics", command.topics) for n, command in enumerate(said)),
         ]
@@ -172,18 +172,12 @@ class Player:
         ]
 
     @property
-    def is_relay(self) -> bool:
-        """Whether its node was given messages of the very type that is asked of it, to do something with them."""
-        taken = (self.run.subscribes.get(name, {}).get(self.node, ()) for name in self.run.given)
-        return any(self.part.type_name in types for types in taken)
-
-    @property
     def only_answers(self) -> bool:
         """Whether all that came from it came while something was given to it."""
         return [key for key, _ in self.heard_at] == [f"runs[{self.number}].meanwhile.{self.topic}"]
 
     @property
-    def _repeats_words(self) -> bool:
+    def repeats_words(self) -> bool:
         """Whether its node says the words that it takes, and nothing else."""
         run, topic = self.run, self.topic
         said = [
@@ -212,11 +206,6 @@ class Player:
         if not self.part.is_publisher:
             return any(command.log or command.topics or command.parameters for command in self.commands)
         return any(heard.count for heard in self.heard)
-
-    @property
-    def is_fit_after_given(self) -> bool:
-        """Whether what came in a run in which something was given is its own: what it publishes, or a later reaction."""
-        return self.part.is_publisher or not self.run.ended
 
     @property
     def comes_by_itself(self) -> bool:
@@ -302,12 +291,9 @@ def without_given(players: list[Player]) -> list[Player]:
         if player.is_heard and (player.part.is_publisher or player.run.setting == "alone")
     )
     best = min((MATCHES.index(player.match) for player in alone), default=len(MATCHES))
-    return [
-        player
-        for player in players
-        if player.run.setting != GIVEN
-        or (player.is_heard and player.is_fit_after_given and MATCHES.index(player.match) < best)
-    ]
+    fit = [one for one in players if one.is_heard and (one.part.is_publisher or not one.run.ended)]
+    fit = [one for one in fit if MATCHES.index(one.match) < best]
+    return [player for player in players if player.run.setting != GIVEN or player in fit]
 
 
 def of_one_node(players: Iterable[Player], best: Player | None) -> list[Player]:

@@ -8,10 +8,7 @@ from ros2lab.grading.judging.players import Case
 
 
 def lost_sister(case: Case, part: Part) -> str:
-    """Return a clause if a part's publisher lives and takes what only a program that was lost would send; else empty.
-
-    One that was given that by the grader, and was silent all the same, is silent by itself.
-    """
+    """Return a clause if a part's publisher lives and takes what only a program that was lost would send; else empty."""
     player, commanded = case.main(part), case.assignment.commanded
     if player is None or not part.is_publisher or player.end is not None:
         return ""
@@ -20,6 +17,7 @@ def lost_sister(case: Case, part: Part) -> str:
         return ""
     taken = {topic for topic, nodes in player.run.subscribes.items() if player.node in nodes}
     taken -= {commanded.topic} if commanded else set()  # the grader says the commands itself
+    # What it was given by the grader, and was silent all the same, it does not want for.
     given = (run for run in case.evidence.runs if player.run.setting != GIVEN and player.node in run.nodes)
     taken = taken.difference(*(run.given for run in given))
     for name in sorted(case.lost(case.players) & case.executables.keys()):

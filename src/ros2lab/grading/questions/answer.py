@@ -157,17 +157,9 @@ def _outside(case: Case, part: Part) -> str:
 def _handed_on(case: Case, part: Part) -> str:
     """Return what came from a part's node and does not count, as the end of a sentence that says that nothing came."""
     player = case.main(part)
-    if player is None or not part.is_publisher:
-        return ""
-    taken = {
-        topic
-        for run in case.evidence.runs
-        if any(player.topic in topics for topics in run.stretches)
-        if player.node in run.publishes.get(player.topic, ()) and not replace(player, run=run).is_heard
-        for topic in (*run.given, run.commanded)
-        if player.node in run.subscribes.get(topic, ())
-    }
-    return f" but what {shown(player.node)} hands on from {listed(sorted(taken))}" if taken else ""
+    runs = case.evidence.runs if player and part.is_publisher else []
+    taken = [run.commanded for run in runs if player and replace(player, run=run).repeats_words]
+    return f" but what {shown(player.node)} hands on from {shown(taken[0])}" if player and taken else ""
 
 
 def asked(part: Part) -> dict[str, str]:

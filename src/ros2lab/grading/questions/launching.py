@@ -168,13 +168,9 @@ def _path_of(case: Case, run: Run) -> str:
 
 
 def _has_ended(run: Run) -> bool:
-    return _is_timed(run) or (bool(run.ended) and not any(command.is_alive for command in run.commands))
-
-
-def _is_timed(run: Run) -> bool:
-    """Return whether launch began a timer that shuts everything down, whatever runs then."""
-    logs = (run.log, *(command.log for command in run.commands))
-    return any(text == TIMED for log in logs for _, text in log)
+    """Return whether a launch file ended before any command, or began a timer by which it will end."""
+    is_timed = any(text == TIMED for _, text in run.log)
+    return is_timed or (bool(run.ended) and not any(command.is_alive for command in run.commands))
 
 
 def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Answer:
@@ -189,7 +185,7 @@ def _launched(case: Case, number: int, run: Run, nothing: dict[str, str]) -> Ans
         return Answer("ended", seen, keys, shown(path))
     if _has_ended(run):
         said = run.ended.get(file, "")
-        level = "shut_down" if is_shut_down(said) or _is_timed(run) else "nothing"
+        level = "nothing" if file in run.ended and not is_shut_down(said) else "shut_down"
         told = {"lost": f": it ended {ended(said, 'with')}" if said else ""}
     else:
         level, told = _of_nodes(case, run, path, is_installed=is_installed)

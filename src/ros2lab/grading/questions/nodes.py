@@ -13,16 +13,7 @@ from ros2lab.grading.judging.excuses import unused
 from ros2lab.grading.judging.player import PLAIN_SETTINGS, STAND_IN, Player, is_for_want, of_one_node, stamped
 from ros2lab.grading.judging.players import Case, may_end
 from ros2lab.grading.judging.sisters import lost_sister
-from ros2lab.grading.questions.answer import (
-    Answer,
-    ended,
-    last_word,
-    listed,
-    question,
-    raised_at,
-    shown,
-    tells_error,
-)
+from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown, tells_error
 from ros2lab.grading.sandbox.keeper import is_limit
 
 # Findings that explain why a node does not run, or does not do what it should.
@@ -198,7 +189,7 @@ def _needed(case: Case, part: Part, player: Player) -> str:
     if player.run.setting != GIVEN or program is None or program.absent or lost_sister(case, part):
         return ""
     alone = [run for run in case.evidence.runs if run.setting == "alone" and run.programs == [program.name]]
-    return listed([name for name in player.run.given if any(name in run.waits for run in alone)])
+    return shown(" and ".join(name for name in player.run.given if any(name in run.waits for run in alone)))
 
 
 def _said(command: CommandSeen) -> str:

@@ -117,13 +117,7 @@ def comes_again(case: Case, part: Part) -> Answer:
     elif level == "repeated" and not any(_comes_by_itself(player) for player in everybody):
         is_echo = _is_echo(everybody) and not _may_change(case, everybody)
         level = "echoed" if is_echo or any(_is_at_random(case, player) for player in everybody) else "changed"
-    keys = [best.quiet_key] if best.topic in best.run.quiet else []
-    keys += [f"runs[{best.number}].meanwhile.{best.topic}"] * (best.topic in best.run.meanwhile)
-    keys += [
-        f"runs[{best.number}].commands[{number}].topics.{best.topic}"
-        for number, command in enumerate(best.run.commands)
-        if best.topic in command.topics
-    ][:1]
+    keys = [key for key, _ in best.heard_at][:2]
     return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
 
 
@@ -245,7 +239,7 @@ def has_finite_numbers(case: Case, part: Part) -> Answer:
         for value in heard.values
         for name, number in numbers_in(value)
     ]
-    level = "relayed" if player.only_answers and player.is_relay else "right"
+    level = "relayed" if player.only_answers and player.topic in player.run.handed_on else "right"
     level = level if numbers else "no_numbers"
     key = player.quiet_key if player.topic in player.run.quiet else player.key
     wrong = [entry for entry in numbers if not _is_usable(entry[-1])]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
@@ -80,8 +79,7 @@ class Given:
         self._flags: list[str] = []  # the topics of a single flag
         self._counts: dict[str, int] = defaultdict(int)  # what was given on each topic or service
         self._last: dict[str, Any] = {}  # what was given in this turn
-        # By type and topic, the messages that were given.
-        self._said: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
+        self._said: dict[str, list[str]] = defaultdict(list)  # by type, the messages that were given
         self._publishers: dict[str, Any] = {}
         self._clients: dict[str, Any] = {}
         self._services: dict[str, Any] = {}
@@ -94,12 +92,12 @@ class Given:
 
     def handed_on(self, heard: Mapping[str, Mapping[str, Any]]) -> list[str]:
         """Return the topics on which nothing was heard but messages that were given, of the same type, and most of them."""
-        found = []
-        for topic, seen in sorted(heard.items()):
-            said = self._said.get(seen["type_name"])
-            if said and {*map(_text, seen["values"])} <= {text for given in said.values() for text in given}:
-                found += [topic] * (seen["count"] > MOST * min(map(len, said.values())))
-        return found
+        given = {topic: self._said[seen["type_name"]] for topic, seen in sorted(heard.items())}
+        return [
+            topic
+            for topic, said in given.items()
+            if {*map(str, heard[topic]["values"])} <= {*said} and heard[topic]["count"] > MOST * len(said)
+        ]
 
     def give_all(self) -> None:
         """Give everything, turn by turn, and wait after each until the nodes have taken it.
@@ -185,7 +183,7 @@ class Given:
             if self._hold is not None:  # the flags in each way that there is; first all are set
                 made.data = not self._hold >> self._flags.index(topic) & 1
         self._publishers[topic].publish(made)
-        self._said[type_name(message)][topic].append(_text(plain(made)))
+        self._said[type_name(message)].append(str(plain(made)))
         self.types[topic] = type_name(message)
 
     def _call(self, service: str, kind: Any) -> None:
@@ -255,10 +253,6 @@ def _own(found: Any) -> dict[str, str]:
     return {
         service: types[0] for service, types in found[: 4 * TOPICS] if not types[0].startswith(OF_EVERY_NODE)
     }
-
-
-def _text(value: Any) -> str:
-    return json.dumps(value, sort_keys=True)
 
 
 def _note(call: dict[str, Any], answer: Any) -> None:

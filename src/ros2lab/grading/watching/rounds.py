@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
-from ros2lab.grading.evidence import KEYBOARD, Build, Executable, Files, Run
+from ros2lab.grading.evidence import KEYBOARD, TIMED, Build, Executable, Files, Run
 from ros2lab.grading.judging.player import is_done, is_for_want, is_timers
 from ros2lab.grading.judging.players import may_end
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.grading.sandbox.worlds import FILES
 from ros2lab.grading.senses import is_still
-from ros2lab.grading.watching import launch_told
 from ros2lab.grading.watching.clocks import otherwise
 from ros2lab.grading.watching.job import UNTOLD, Job, Program
 from ros2lab.grading.watching.keyboard import Search, answers
@@ -28,6 +28,32 @@ MOST_PARAMETERS = 4  # that are changed to see the effect
 # rclpy's error for a wrong type in a float field, if its checks are on.
 _REFUSED = re.compile(r"AssertionError: The '\w+' field must be of type 'float'")
 CAUGHT = "an AssertionError that it catches"
+
+# It also says when a timer begins that will shut down everything, whatever runs then.
+_LAUNCH = f"""
+import contextlib, runpy, shutil, sys
+from launch.actions import RegisterEventHandler, TimerAction
+from launch.events import Shutdown
+
+def ends(entity, context):
+    condition = getattr(entity, "condition", None)
+    if isinstance(entity, RegisterEventHandler) or (condition and not condition.evaluate(context)):
+        return False
+    inner = [entity.describe_sub_entities(), *(few for _, few in entity.describe_conditional_sub_entities())]
+    below = any(ends(one, context) for several in inner for one in several)
+    return below or isinstance(getattr(entity, "event", None), Shutdown)
+
+def begin(timer, context, execute=TimerAction.execute):
+    with contextlib.suppress(Exception):
+        if ends(timer, context):
+            print({TIMED!r}, flush=True)
+    return execute(timer, context)
+
+TimerAction.execute = begin
+sys.argv[0] = shutil.which("ros2")
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
+LAUNCH = [sys.executable, "-P", "-c", _LAUNCH, "launch"]
 
 Show = Callable[[str], None]
 
@@ -251,8 +277,7 @@ class _Watching:
 
     def given(self) -> None:
         """Watch all together once more, and give them what they may wait for, if any seems to wait."""
-        is_lacking = any(program.name in self._lacking for program in self._programs)
-        is_open = is_lacking or bool(_waited_for(self.runs))
+        is_open = _waited_for(self.runs) or any(program.name in self._lacking for program in self._programs)
         if self._programs and is_open and _is_waiting(self._assignment, self.runs):
             self._show("watching them with what they may wait for")
             self.runs += self._observer.watch([Job.given(self._programs, self._facts.contents)])
@@ -351,7 +376,7 @@ def _launches(submission: Submission, facts: Files, built: Build) -> Iterator[Pr
         name, owner = PurePosixPath(path).name, _owner(submission, path)
         is_installed = owner and any(PurePosixPath(shared).name == name for shared in built.shared)
         words = [owner, name] if is_installed else [f"{FILES}/{path}"]
-        yield Program(name, launch_told.command(words), built.environ)
+        yield Program(name, [*LAUNCH, *words], built.environ)
 
 
 def _owner(submission: Submission, path: str) -> str:
@@ -370,27 +395,12 @@ def _is_complete(assignment: Assignment, runs: Sequence[Run]) -> bool:
 
 
 def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
-    """Return whether nothing came of a part: its node may wait for something, or make its end only then."""
-    is_open = bool(_waited_for(runs))
-    for part in assignment.parts.values():
-        if part.commands and _is_deaf(part, runs):
-            return True
-        seen = [
-            (topic, types)
-            for run in runs
-            for topic, nodes in run.publishes.items()
-            for types in nodes.values()
-        ]
-        has_type = assignment.is_only(part) and any(part.type_name in types for _, types in seen)
-        # Where a node has the right topic, what comes on another one is another node's.
-        if part.is_publisher and any(topic == part.topic for topic, _ in seen):
-            is_silent = not any(part.topic in topics for run in runs for topics in run.stretches)
-        else:
-            may_come = part.is_publisher and (has_type or is_open)
-            is_silent = may_come and not any(is_done(part, run) for run in runs)
-        if is_silent:
-            return True
-    return False
+    """Return whether a part was not seen to work, or is silent on its own topic: its node may wait for something."""
+    parts = assignment.parts.values()
+    made = {topic for run in runs for topic in run.publishes}
+    silent = made.difference(*(topics for run in runs for topics in run.stretches))
+    is_open = any(part.topic in silent if part.is_publisher else _is_deaf(part, runs) for part in parts)
+    return is_open or not _is_complete(assignment, runs)
 
 
 def _waited_for(runs: Sequence[Run]) -> set[str]:
