@@ -228,12 +228,14 @@ class Given:
 
 
 def wanted(watch: Watch, *, manages: bool = True) -> Iterator[tuple[str, str, str]]:
-    """Yield what nodes wait for, and do not bring each other: `publish`, `call`, `provide` or `act`, a name and its type."""
+    """Yield what nodes wait for, and none that lives brings: `publish`, `call`, `provide` or `act`, a name and its type."""
+    living = {*watch.nodes()}
     for topic, nodes in sorted(watch.subscribes.items())[:TOPICS]:
-        if topic not in HIDDEN_TOPICS and topic not in watch.publishes and "/_" not in topic:
+        is_brought = not living.isdisjoint(watch.publishes.get(topic, ()))
+        if topic not in HIDDEN_TOPICS and not is_brought and "/_" not in topic:
             yield "publish", topic, next(iter(nodes.values()))[0]
     offered, called = dict[str, str](), dict[str, str]()
-    for name in sorted(set(watch.nodes()))[:NODES]:
+    for name in sorted(living)[:NODES]:
         space, _, base = name.rpartition("/")
         with contextlib.suppress(NodeNameNonExistentError):  # it has just left
             offered |= _own(watch.node.get_service_names_and_types_by_node(base, space or "/"))

@@ -1,8 +1,11 @@
-"""Nodes that need what is not there where they are graded: nothing of it is the student's fault."""
+"""Nodes that need what is not there where they are graded: nothing of it is the student's fault.
+
+Only what does nothing in the work as it was handed in, and no more than answer what nobody there brings, loses by it.
+"""
 
 from __future__ import annotations
 
-from corpus.case import Case
+from corpus.case import Case, Loss
 from corpus.package import COMMAND, STATUS, VELOCITY, XML
 from corpus.styles.making import style
 from corpus.tree import edit, put
@@ -162,6 +165,7 @@ ELSEWHERE: tuple[Case, ...] = (
         put(STATUS, _TELLS_OF_A_BATTERY),
         put(COMMAND, _COMMANDS_AN_ARM),
         _NEEDS,
+        loses={"velocity_publisher": Loss(7, 7, r"only in answer[\s\S]*is given /\w+ and /\w+, which")},
     ),
     style(
         "reads_a_keyboard",
