@@ -31,7 +31,7 @@ SAMPLE = {
     "form/spread_over_packages": "the nodes are looked for in more than one package",
     "style/one_process": "a node is known by what it does, and not by its program",
     "style/waiting_loop": "a loop of the student's own is as regular as a timer",
-    "style/needs_what_is_elsewhere": "what is waited for is given, and what is not installed costs nothing",
+    "style/needs_what_is_elsewhere": "what is waited for is given, and only so much comes by itself; what is not installed costs nothing",
     "extreme/package_as_created": "a build without a fault earns no points for nodes that are not there",
     "extreme/broken_zip": "there is a refusal in place of a grade",
     "workspace/two_copies": "colcon refuses the workspace, and the package in it is graded all the same",
