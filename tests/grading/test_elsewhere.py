@@ -260,7 +260,7 @@ def test_what_diagnose_calls_in_vain_ends_an_excuse_and_is_told(place: str, poin
     [
         (evidences.VELOCITY, {}, 20),
         (evidences.STATUS, {}, 20),
-        (evidences.STATUS, {"quiet": {}}, 14.75),  # it only answers, and never comes by itself
+        (evidences.STATUS, {"quiet": {}}, 13),  # it only answers, and never comes by itself
         (evidences.STATUS, {"handed_on": ["/robot/status"]}, 20),
     ],
 )
@@ -338,19 +338,22 @@ def _silent(given: list[str]) -> Evidence:
 
 
 @pytest.mark.parametrize(
-    ("waits", "given", "needed"),
+    ("waits", "commanded", "given", "needed"),
     [
-        (["/odom"], ["/odom"], "/odom"),
-        (["/odom", "/enable"], ["/enable", "/map", "/odom"], "/enable and /odom"),
-        ([], ["/odom"], ""),  # it is another node's
-        (["/odom"], [], ""),
+        (["/odom"], "", ["/odom"], "/odom"),
+        (["/odom", "/enable"], "", ["/enable", "/map", "/odom"], "/enable and /odom"),
+        (["/odom"], "/robot/command", ["/odom", "/robot/command"], "/odom"),
+        ([], "/mode", ["/mode"], "/mode"),  # alone it was taken for the topic of the commands
+        ([], "", ["/odom"], ""),  # it is another node's
+        (["/odom"], "", [], ""),
     ],
 )
 def test_a_node_that_waits_for_what_nobody_brings_loses_some_of_its_life(
-    waits: list[str], given: list[str], needed: str
+    waits: list[str], commanded: str, given: list[str], needed: str
 ) -> None:
     """It publishes when there is odometry, and is silent in the workspace as it was handed in."""
-    waiting = evidences.runs(replace(evidences.velocity_run(values=[]), waits=waits))(evidences.right())
+    alone = replace(evidences.velocity_run(values=[]), waits=waits, commanded=commanded)
+    waiting = evidences.runs(alone)(evidences.right())
     grade = _graded(replace(waiting, runs=[*waiting.runs, _silent(given).runs[-1]]))
     life = next(one for one in grade.criteria if one.id == "velocity_publisher.life")
     assert grade.components["velocity_publisher"].points == (17 if needed else 20)

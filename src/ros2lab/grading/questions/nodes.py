@@ -185,11 +185,12 @@ def goes_on(case: Case, part: Part) -> Answer:
 
 def _needed(case: Case, part: Part, player: Player) -> str:
     """Return what a part's node was silent without, and only the grader brings; empty if there is nothing of that kind."""
-    program = case.executables.get(player.program)
+    program, commanded = case.executables.get(player.program), case.assignment.commanded
     if player.run.setting != GIVEN or program is None or program.absent or lost_sister(case, part):
         return ""
     alone = [run for run in case.evidence.runs if run.setting == "alone" and run.programs == [program.name]]
-    return shown(" and ".join(name for name in player.run.given if any(name in run.waits for run in alone)))
+    own = {name for run in alone for name in (*run.waits, run.commanded)} - {commanded and commanded.topic}
+    return shown(" and ".join(name for name in player.run.given if name in own))
 
 
 def _said(command: CommandSeen) -> str:

@@ -25,7 +25,7 @@ TINY = 1e-200  # an int in a float field becomes 5e-324 times the int
 
 
 @question(
-    "right begun close off far irregular growing once empty silent written missing",
+    "right begun close off far irregular growing once answered empty silent written missing",
     "period topic",
     nodes.CODES | frozenset(("period",)),
     ("publisher",),
@@ -49,17 +49,18 @@ def has_its_period(case: Case, part: Part) -> Answer:
     if found:
         return _rhythm("empty", found[0][0]) if _is_empty(players) else _of_periods(case, part, found)
     first = (players or everybody)[0]
-    level = _without_period(players)
+    level = _without_period(players, is_timed=bool(end and end.periods))
     # On the real clock, commands follow each other more quickly than messages that only they begin.
     is_late = level == "once" and not quiet_times(first) and first.run.clock == "real"
     is_begun = is_late and end is not None and is_written and REPEATS not in end.never
     return _rhythm("begun" if is_begun else level, first)
 
 
-def _without_period(players: Sequence[Player]) -> str:
+def _without_period(players: Sequence[Player], *, is_timed: bool) -> str:
     """Return the level of players of whose messages no period is known, by how many came."""
     total = max((sum(heard.count for heard in player.heard) for player in players), default=0)
-    return "silent" if not total else "once" if total == 1 else "irregular"
+    several = "irregular" if is_timed or not all(one.only_answers for one in players) else "answered"
+    return "silent" if not total else "once" if total == 1 else several
 
 
 def _is_empty(players: Sequence[Player]) -> bool:
@@ -103,8 +104,7 @@ def _rhythm(level: str, player: Player, period: float = -1.0) -> Answer:
 def comes_again(case: Case, part: Part) -> Answer:
     """Whether messages come repeatedly, or whenever something changes."""
     everybody = of_one_node(case.players[part.name], case.main(part))
-    end = case.written(part)
-    is_timed = end is not None and bool(end.periods)
+    is_timed = bool((end := case.written(part)) and end.periods)
     if not everybody:
         return Answer("written" if is_timed else "missing", {"topic": ""}, ("runs", "files.ends"))
     players = [player for player in everybody if case.counts(player)] or everybody

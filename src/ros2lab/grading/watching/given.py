@@ -195,8 +195,7 @@ class Given:
         pending, client = self._pending.get(service), self._clients[service]
         late = self._number - FIRST_CALL - STAYS * self._counts[service]
         is_begun = type_name(kind) == MANAGES
-        is_late = late >= 0 or self._hold is not None
-        is_due = self._counts[service] < len(BEGIN) if is_begun else is_late
+        is_due = self._counts[service] < len(BEGIN) if is_begun else late >= 0 or self._hold is not None
         if not is_due or (pending is not None and not pending.done()) or not client.service_is_ready():
             return
         request = self._filled(service, kind.Request())

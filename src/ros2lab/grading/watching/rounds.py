@@ -405,8 +405,8 @@ def _is_waiting(assignment: Assignment, runs: Sequence[Run]) -> bool:
 
 def _waited_for(runs: Sequence[Run]) -> set[str]:
     """Return what nodes wait for, less what others publish that go on."""
-    living = (run.publishes for run in runs if not run.ended)
-    return {name for run in runs for name in run.waits}.difference(*living)
+    waits = {name for run in runs for name in run.waits}
+    return waits.difference(*(run.publishes for run in runs if not run.ended))
 
 
 def _is_deaf(part: Part, runs: Sequence[Run]) -> bool:
