@@ -30,11 +30,18 @@ class Walker(Node):
     def __init__(self):
         super().__init__('walker')
         self.create_subscription(String, 'trail', self.got, QOS)
+        self.pub = self.create_publisher(String, 'steps', 10)
+        self.create_timer(0.1, self.send)
 
     def got(self, msg):
         print(msg)
+
+    def send(self):
+        self.pub.publish(String())
 """
 SENT = "self.pub.publish(String(data='x'))"
+ONCE = "self.timer = self.create_timer(1.0, self.send)"
+ENDED = "self.timer.cancel()"
 KEEPS = "durability=DurabilityPolicy.TRANSIENT_LOCAL"
 
 
@@ -45,12 +52,17 @@ def fixes(qos: str, send: str = SENT, offer: str = "LATCHED") -> list[str]:
         if send != SENT
         else text.replace("    def send(self):\n        self.pub.publish(String(data='x'))\n", "")
     )
+    text = (
+        text.replace("def send(self):", f"def send(self):\n        {ENDED}")
+        if send.startswith(ONCE)
+        else text
+    )
     sources = NodeSources({"pk.map": PythonSource("pk.map", "map.py", text)})
     found = topic_faults(ends_of(sources))
     return [finding.fix for finding in found if finding.code == "qos-mismatch"]
 
 
-@pytest.mark.parametrize("send", [SENT, "self.send()"])
+@pytest.mark.parametrize("send", [SENT, "self.send()", ONCE])
 @pytest.mark.parametrize(
     ("qos", "written"),
     [
@@ -72,6 +84,11 @@ def test_the_subscription_is_written_so_that_it_receives_what_is_kept(
         ("10", "self.create_timer(1.0, self.send)", "LATCHED"),
         ("10", "while True:\n            self.send()", "LATCHED"),
         ("10", SENT, "10"),
+        ("10", f"self.create_timer(1.0, lambda: {SENT})", "LATCHED"),
+        ("10", f"{SENT}; self.again(self.pub)", "LATCHED"),
+        ("10", ONCE.replace("self.timer = ", ""), "LATCHED"),
+        ("10", f"{ONCE}; self.create_service(Trigger, 'a', self.send)", "LATCHED"),
+        ("10", f"if self.pub.get_subscription_count(): {SENT}", "LATCHED"),
     ],
 )
 def test_what_is_kept_on_both_sides_or_published_again_is_right(qos: str, send: str, offer: str) -> None:
