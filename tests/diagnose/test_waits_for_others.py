@@ -49,6 +49,12 @@ def told(body: str, made: str = QUEUE, given: str = PUT, first: str = "pass", mo
     return text
 
 
+def threaded(body: str, mine: str = "", other: str = "", **parts: str) -> str:
+    """Return a node that several threads spin, with a callback group of one's own for either callback."""
+    text = told(body, **parts).replace("self.tick)", f"self.tick{mine})").replace(", 10)", f", 10{other})")
+    return text.replace("rclpy.spin(Printer())", "MultiThreadedExecutor().spin()")
+
+
 def found(text: str, folder: Path) -> list[tuple[str, str]]:
     faults = life_faults(sources_of(text, folder), None)
     return [(one.cause, one.fix) for one in faults if "once it waits" in one.cause]
@@ -66,6 +72,13 @@ def found(text: str, folder: Path) -> list[tuple[str, str]]:
         (told("print(self.held.result())", "Future()", "self.held.set_result(1)"), "write `if not self.held.done(): return`"),
         (told("with self.held:\n    self.held.wait()", "threading.Condition()", "with self.held: self.held.notify()"), "do the work"),
         (told("while not self.flag:\n    pass", given="self.flag = True"), "do the work that needs self.flag in on_label()"),
+        (told("while not self.flag:\n    self.get_logger().info('no')", given="self.flag = True"), "do the work"),
+        (told("while not self.held:\n    pass", "[]", "self.held.append(msg.data)"), "do the work that needs self.held in on_label()"),
+        (told("while len(self.held) < 3:\n    pass", "[]", "self.held.append(msg.data)"), "do the work"),
+        (told("while not self.held.is_set():\n    pass", "threading.Event()", "self.held.set()"), "do the work"),
+        (threaded("while not self.flag:\n    pass", given="self.flag = True"), "write `self.create_timer(1.0, self.tick, callback_group=MutuallyExclusiveCallbackGroup())`"),
+        (threaded("self.held.get()", ", self.own", ", callback_group=self.own"), "write `self.create_timer(1.0, self.tick, callback_group=MutuallyExclusiveCallbackGroup())`"),
+        (threaded("self.held.wait()", made="threading.Event()", given="self.held.set()"), "write `self.create_timer("),
     ],
 )  # fmt: skip
 def test_what_only_another_callback_gives_is_waited_for_in_vain(tmp_path: Path, text: str, fix: str) -> None:
@@ -89,7 +102,31 @@ def test_what_only_another_callback_gives_is_waited_for_in_vain(tmp_path: Path, 
         told("self.held.wait(1.0)", "threading.Event()", "self.held.set()"),
         told("self.held.acquire()", "threading.Semaphore(1)", "self.held.release()"),
         told("text = self.held.get()", "{}", "self.held['a'] = msg.data"),
-        told("text = self.held.get()").replace("rclpy.spin(Printer())", "MultiThreadedExecutor().spin()"),
+        threaded("while not self.flag:\n    pass", ", callback_group=self.own", given="self.flag = True"),
+        threaded(
+            "self.held.get()",
+            ", callback_group=MutuallyExclusiveCallbackGroup()",
+            ", callback_group=MutuallyExclusiveCallbackGroup()",
+        ),
+        threaded(
+            "self.held.get()",
+            ", callback_group=self.own",
+            ", callback_group=self.own",
+            first="self.own = ReentrantCallbackGroup()",
+        ),
+        threaded(
+            "self.held.get()",
+            first="self.create_subscription(String, 'b', self.on_label, 1, callback_group=self.own)",
+        ),
+        threaded("self.held.get()", first="threading.Thread(target=self.read).start()"),
+        told(
+            "while not self.held.is_set():\n    pass",
+            "threading.Event()",
+            "self.held.set()",
+            first="self.start(self.held)",
+        ),
+        told("while not self.flag:\n    self.look()", given="self.flag = True"),
+        told("while not self.flag:\n    if self.count > 3: break", given="self.flag = True"),
     ],
 )
 def test_what_may_be_there_already_or_come_otherwise_is_right(tmp_path: Path, text: str) -> None:

@@ -24,5 +24,5 @@ def is_made_by_words(seen: Seen, topic: str) -> bool:
 
 def _is_called_for_messages(end: End) -> bool:
     function = end.creation.function
-    how = uses_of(end.sources).callbacks.get(id(function), "")
-    return how in ("create_subscription", "create_service")
+    made = uses_of(end.sources).callbacks.get(id(function), ())
+    return bool(made) and all(one.method in ("create_subscription", "create_service") for one in made)

@@ -24,7 +24,7 @@ from ros2lab.diagnose.sources.python_source import (
 )
 from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.syntax_parts import calls_in
-from ros2lab.diagnose.sources.uses import own_stores
+from ros2lab.diagnose.sources.uses import own_changes
 
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
 GROUP_IMPORTED = "with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
@@ -128,7 +128,7 @@ def _is_held(callback: _Callback, wait: _Wait, *, has_threads: bool) -> bool:
         return False  # there, the name stands for another node
     if made is None:
         return not has_threads and spun == {own} and "callback_group" not in callback.source.text
-    return _node_of(made) == own and _group_of(made) == _group_of(callback.given)
+    return _node_of(made) == own and group_of(made) == group_of(callback.given)
 
 
 def _spun(wait: _Wait) -> set[str]:
@@ -143,11 +143,21 @@ def _node_of(call: ast.Call) -> str:
     return ast.unparse((argument(call, 0, "node") if is_given else getattr(call.func, "value", None)) or call)
 
 
-def _group_of(call: ast.Call) -> str:
+def group_of(call: ast.Call) -> str:
     """Return the callback group that something of a node is made with, as written; empty for the node's own."""
     is_timer = getattr(call.func, "attr", "") == "create_timer"
     group = argument(call, 2 if is_timer else len(call.args), "callback_group")
+    if isinstance(group, ast.Call):
+        return f"{ast.unparse(group)} of {id(group)}"  # one of its own
     return ast.unparse(group) if group is not None and ast.unparse(group) != "None" else ""
+
+
+def in_own_group(call: ast.Call) -> str:
+    """Return a call that makes something of a node such that it has a callback group of its own."""
+    kept = [keyword for keyword in call.keywords if keyword.arg != "callback_group"]
+    group = ast.keyword("callback_group", ast.Call(ast.Name("MutuallyExclusiveCallbackGroup"), [], []))
+    given = call.args[:2] if last_name(call.func) == "create_timer" else call.args
+    return ast.unparse(ast.Call(call.func, given, [*kept, group]))
 
 
 def _callbacks(sources: NodeSources) -> Iterator[_Callback]:
@@ -284,10 +294,10 @@ def set_elsewhere(
 ) -> Iterator[tuple[str, list[Function]]]:
     """Yield the attributes that a loop waits for, each with the methods that set it, except those that run while the loop does."""
     asked = {n.attr for n in ast.walk(loop.test) if is_self_attribute(n)}
-    for name in sorted(asked - own_stores(loop)):
+    for name in sorted(asked - own_changes(loop)):
         methods = owner.methods.values() if owner else ()
         free = (method for method in methods if method.name != "__init__" and method not in functions)
-        if setting := [method for method in free if name in own_stores(method)]:
+        if setting := [method for method in free if name in own_changes(method)]:
             yield name, setting
 
 
@@ -371,12 +381,9 @@ def spun_by_threads(sources: NodeSources, source: PythonSource) -> list[str]:
 
 def _grouped(callback: _Callback, waits: Sequence[_Wait]) -> str:
     """Say how to give the clients a callback group of their own, without the node's other callbacks."""
-    rows = []
-    for made in dict.fromkeys(found for wait in waits if (found := _made_by(callback, wait))):
-        kept = [keyword for keyword in made.keywords if keyword.arg != "callback_group"]
-        group = ast.keyword("callback_group", ast.Call(ast.Name("MutuallyExclusiveCallbackGroup"), [], []))
-        call = ast.Call(made.func, made.args, [*kept, group])
-        rows.append(f"`{callback.source.name_of(made)} = {ast.unparse(call)}` on line {made.lineno}")
+    name_of, made = callback.source.name_of, (_made_by(callback, wait) for wait in waits)
+    calls = dict.fromkeys(filter(None, made))
+    rows = [f"`{name_of(call)} = {in_own_group(call)}` on line {call.lineno}" for call in calls]
     written = " and ".join(rows) or "a callback group of its own for the client"
     return f"{written}, {GROUP_IMPORTED}"
 

@@ -15,7 +15,7 @@ from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by, stores_in
 from ros2lab.diagnose.sources.uses import is_log
 
-_HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
+HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing
 _THREADED = frozenset(
     ("Thread", "MultiThreadedExecutor", "EventsExecutor", "ReentrantCallbackGroup", "ThreadPoolExecutor")
 )
@@ -91,7 +91,7 @@ def _leaves_alone(loop: ast.While) -> bool:
     called = [node.func for node in calls_in(inside)]
     is_emptied = any(isinstance(call, ast.Attribute) and ast.unparse(call.value) == name for call in called)
     calls = [call for call in called if is_self_attribute(call)]
-    return not is_changed and not is_emptied and all(call.attr in _HARMLESS for call in calls)
+    return not is_changed and not is_emptied and all(call.attr in HARMLESS for call in calls)
 
 
 def rate_faults(sources: NodeSources) -> Iterator[Finding]:
@@ -152,5 +152,10 @@ def spins_on(sources: NodeSources, source: PythonSource) -> bool:
 
 def uses_threads(sources: NodeSources, source: PythonSource) -> bool:
     """Return whether a file, or what runs together with it, calls something in several threads."""
+    return bool(threads_of(sources, source))
+
+
+def threads_of(sources: NodeSources, source: PythonSource) -> set[str]:
+    """Return the names of what calls something in several threads, in a file or what runs together with it."""
     nodes = (node for name in sources.together(source.name) for node in sources.sources[name].nodes)
-    return any((getattr(node, "id", None) or getattr(node, "attr", None)) in _THREADED for node in nodes)
+    return {getattr(node, "id", None) or getattr(node, "attr", "") for node in nodes} & _THREADED

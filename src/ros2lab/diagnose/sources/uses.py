@@ -8,7 +8,13 @@ from collections import Counter
 from collections.abc import Iterator
 from functools import cached_property, lru_cache
 
-from ros2lab.diagnose.sources.node_source import LOG_METHODS, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.node_source import (
+    LOG_METHODS,
+    Creation,
+    NodeClass,
+    NodeSources,
+    is_self_attribute,
+)
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -62,25 +68,25 @@ class Uses:
         return frozenset(found)
 
     @cached_property
-    def callbacks(self) -> dict[int, str]:
-        """The callbacks and the methods that they call, by `id`, each with the call that passed it to ROS."""
-        found: dict[int, str] = {}
+    def callbacks(self) -> dict[int, list[Creation]]:
+        """The callbacks and the methods that they call, by `id`, each with the calls that passed it to ROS."""
+        found: dict[int, list[Creation]] = {}
         owners = {
             id(m): node_class
             for node_class in self.sources.classes.values()
             for m in node_class.methods.values()
         }
-        waiting = [(function, creation.method) for creation, function in self.sources.callbacks()]
+        waiting = [*self.sources.callbacks()]
         while waiting:
-            function, how = waiting.pop()
-            if id(function) in found:
+            creation, function = waiting.pop()
+            if creation in found.setdefault(id(function), []):
                 continue
-            found[id(function)] = how
+            found[id(function)].append(creation)
             for node in own_nodes(function):
                 called = node.func if isinstance(node, ast.Call) else None
                 if is_self_attribute(called):
                     method = self.sources.method(owners.get(id(function)), called.attr)
-                    waiting += [(method, how)] if method is not None else []
+                    waiting += [(creation, method)] if method is not None else []
         return found
 
 
@@ -168,6 +174,12 @@ def _changed_by(node: ast.AST) -> list[ast.expr]:
 def own_stores(scope: ast.AST) -> set[str]:
     """Return the attributes of `self` that a scope assigns."""
     return {n.attr for n in walk(scope) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
+
+
+def own_changes(scope: ast.AST) -> set[str]:
+    """Return the attributes of `self` that a scope assigns, or of which it may change what they hold."""
+    held = (expression for node in walk(scope) for expression in _changed_by(node))
+    return own_stores(scope).union(node.attr for node in held if is_self_attribute(node))
 
 
 def values_in(function: Function) -> dict[int, ast.expr]:
