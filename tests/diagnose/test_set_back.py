@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from right_workspace import right_workspace
+from workspace_files import Files
 
 from ros2lab.diagnose import of_workspace
 from ros2lab.diagnose.finding import Finding
@@ -24,19 +25,73 @@ def told(given: str, folder: Path, before: str = "", parameters: str = "") -> li
     ]
 
 
-@pytest.mark.parametrize("given", ["[{'speed': 0.9}, config]", "[{'speed': 0.9}, config, {'other': 1}]"])
-def test_a_value_that_stands_before_a_file_with_another_is_set_back(tmp_path: Path, given: str) -> None:
-    (found,) = told(given, tmp_path)
-    assert "speed is 0.9 here, but robot.yaml, which comes after it, sets it to 0.3" in found.cause
-    assert "robot.yaml first" in found.fix
+FAST, OTHER = "LaunchConfiguration('fast')", "{'speed': LaunchConfiguration('other')}"
+
+
+@pytest.mark.parametrize(
+    ("given", "default", "value"),
+    [
+        (f"[{{'speed': {FAST}}}, config]", "0.9", 0.3),
+        (f"[{{'speed': {FAST}}}, config]", "0.3", 0.3),
+        (f"[{{'speed': ParameterValue({FAST}, value_type=float)}}, config]", "0.3", 0.3),
+        (f"[{{'speed': PythonExpression([{FAST}, ' * 2'])}}, config]", "0.3", 0.3),
+        (f"[{{'speed': {FAST}}}, config, {{'other': 1}}]", "0.9", 0.3),
+        (f"[{{'speed': {FAST}}}, {{'speed': 0.4}}]", "0.9", 0.4),
+        (f"[{{'speed': {FAST}}}, {OTHER}]", "0.9", 0.5),
+        (f"[{{'speed': {FAST}, 'more': {FAST}}}, config]", "0.9", 0.3),
+    ],
+)
+def test_an_argument_that_stands_before_what_sets_its_parameter_changes_nothing(
+    tmp_path: Path, given: str, default: str, value: float
+) -> None:
+    (found,) = arguments_told(given, tmp_path, default)
+    assert f"sets speed to {value}: the last value counts, so fast:=... changes nothing" in found.cause
+    assert Path(found.place).name == "robot.launch.py:18"
 
 
 @pytest.mark.parametrize(
     "given",
-    ["[config, {'speed': 0.9}]", "[{'speed': 0.3}, config]", "[{'other': 0.9}, config]", "[{'speed': 0.9, 'other': 1}, config]", "[{'speed': 0.9}, config, {'speed': 0.3}]", "[config, config]", "[config, {'speed': 0.9}, config]", "[{'speed': 0.9}]"],
-)  # fmt: skip
-def test_what_stands_last_counts(tmp_path: Path, given: str) -> None:
-    assert told(given, tmp_path) == []
+    [
+        f"[config, {{'speed': {FAST}}}]",
+        f"[{{'speed': {FAST}}}]",
+        f"[{{'other': {FAST}}}, config]",
+        f"[{{'speed': {FAST}}}, config, {{'speed': {FAST}}}]",
+        "[{'speed': 0.9}, config]",
+    ],
+)
+def test_an_argument_that_stands_last_counts(tmp_path: Path, given: str) -> None:
+    assert arguments_told(given, tmp_path, "0.9") == []
+
+
+@pytest.mark.parametrize(("space", "is_told"), [("", True), ("red", False)])
+def test_an_argument_that_a_function_reads_is_told_at_its_own_line(
+    tmp_path: Path, space: str, is_told: bool
+) -> None:
+    """In a namespace, the section of the file is not for the node, so that the argument counts."""
+    made = "Node(package='my_bot', executable='velocity_publisher', parameters=[config])"
+    function = "OpaqueFunction(function=lambda context: [Node(package='my_bot', executable='velocity_publisher', namespace='SPACE',\n            parameters=[\n            {'speed': float(LaunchConfiguration('fast').perform(context))},\n            config])])"
+    files = with_arguments("0.3").change("launch/robot.launch.py", made, function.replace("SPACE", space))
+    found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "launch-argument"]
+    assert [one.place for one in found] == ["src/my_bot/launch/robot.launch.py:20"] * is_told
+
+
+def arguments_told(given: str, folder: Path, default: str) -> list[Finding]:
+    """Return what is told of a launch file that declares two arguments."""
+    files = with_arguments(default).change("launch/robot.launch.py", GIVEN, f"parameters={given}")
+    return [one for one in of_workspace(files.write(folder)) if one.code == "launch-argument"]
+
+
+def with_arguments(default: str) -> Files:
+    """Return a workspace whose launch file declares two arguments."""
+    names = {
+        "launch.actions": "DeclareLaunchArgument, OpaqueFunction",
+        "launch.substitutions": "LaunchConfiguration, PythonExpression",
+        "launch_ros.parameter_descriptions": "ParameterValue",
+    }
+    declared = "".join(f"from {module} import {name}\n" for module, name in names.items())
+    files = right_workspace().change("launch/robot.launch.py", "def generate", f"{declared}\n\ndef generate")
+    made = f"DeclareLaunchArgument('fast', default_value='{default}'), DeclareLaunchArgument('other', default_value='0.5')"
+    return files.change("launch/robot.launch.py", "LaunchDescription([", f"LaunchDescription([{made}, ")
 
 
 _TWO = {

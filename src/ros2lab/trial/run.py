@@ -221,9 +221,7 @@ def _programs(look: Look, overlay: Mapping[str, str], folder: Path) -> Iterator[
             if path.is_file() and path.stat().st_mode & 0o111:
                 started = look.launched.get((package.name, path.name))
                 values = folder / f"{package.name}-{path.name}.yaml"
-                arguments = (
-                    _arguments(started, look.packages, values) if started else own_file(package, path.name)
-                )
+                arguments = _arguments(started, values) if started else own_file(package, path.name)
                 yield Program(path.name, [path, *arguments], environ)
 
 
@@ -249,19 +247,22 @@ def own_file(package: SourcePackage, program: str) -> list[str]:
     return ["--ros-args", "--params-file", str(named[0])] if len(named) == 1 else []
 
 
-def _arguments(started: Started, packages: Sequence[SourcePackage], values: Path) -> list[str]:
-    """Return the arguments that launch gives a program; `values` is the file for its parameters, as launch writes one."""
-    given = started.launched
-    values.write_text(json.dumps({"/**": {"ros__parameters": {**given.values}}}))
+def _arguments(started: Started, values: Path) -> list[str]:
+    """Return the arguments that launch gives a program; files beside `values` hold its parameters, as launch writes them."""
+    given, files = started.launched, list[Path]()
+    for number, entry in enumerate(given.given):
+        files.append(
+            values.with_name(f"{values.stem}-{number}.yaml") if isinstance(entry, Mapping) else Path(entry)
+        )
+        if isinstance(entry, Mapping):
+            files[-1].write_text(json.dumps({"/**": {"ros__parameters": {**entry}}}))
     names = {"__node": given.name, "__ns": started.namespace}
     renamed = [*((old, new) for old, new in names.items() if new), *given.remappings]
-    folders = {package.name: package.folder for package in packages}
     return [
         *given.arguments,
         "--ros-args",
         *(word for old, new in renamed for word in ("-r", f"{old}:={new}")),
-        *(word for home, path in given.files for word in ("--params-file", str(folders[home] / path))),
-        *(["--params-file", str(values)] if given.values else []),
+        *(word for path in files if path.is_file() for word in ("--params-file", str(path))),
     ]
 
 

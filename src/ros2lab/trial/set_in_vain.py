@@ -65,4 +65,4 @@ def _unused(file: LaunchFile, node: Started, names: list[Name], look: Look) -> I
             continue
         cause = f"{file.giver} remaps {old!r} to {new!r}, but {node.launched.executable} does not use it: when it ran, its topics were {in_a_row(seen)}."
         fix = "write the name that the code has as the first name of the remapping, as `ros2 node info` shows it without the remapping"
-        yield Finding("remap-unknown", cause, node.launched.place, fix)
+        yield Finding("remap-unknown", cause, node.launched.place_of(old, "remappings"), fix)

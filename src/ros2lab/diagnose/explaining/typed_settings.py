@@ -49,4 +49,4 @@ def _run(words: Sequence[str]) -> Iterator[Launched]:
             set_ = [v.split(":=", 1) for o, v in pairs if o in ("-p", "--param") and ":=" in v]
             values = {name: value_of(value) for name, value in set_ if ":" not in name}
             name, space = given.get("__node") or given.get("__name"), given.get("__ns", "")
-            yield Launched(package, program, name, (), moved, "", space, values=values, given=(values,))
+            yield Launched(package, program, name, (), moved, "", space, given=(values,))

@@ -15,13 +15,14 @@ import os
 import re
 import sys
 import traceback
-from collections.abc import Callable, Iterator
-from types import FrameType
+from collections.abc import Callable, Iterator, Mapping
+from types import FrameType, MappingProxyType
 from typing import Any
 
 import yaml
 
 from ros2lab.diagnose.confinement import confine
+from ros2lab.diagnose.launching.by_argument import note_arguments
 from ros2lab.diagnose.launching.in_order import InOrder
 from ros2lab.diagnose.launching.waited_for import WaitedFor
 
@@ -47,7 +48,7 @@ def main() -> None:
     confine(memory_bytes=MEMORY, cpu_s=LONGEST, written_bytes=MOST_TOLD)
     real = sys.stdout
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        found = {path: _Loading(path, launch_ros.actions.Node).result(refused) for path in sys.argv[1:]}
+        found = {path: _told_of(path, launch_ros.actions.Node, refused) for path in sys.argv[1:]}
     real.write(json.dumps(found, default=str))
 
 
@@ -145,11 +146,18 @@ def _text(context: Any, given: Any) -> str | None:
     return str(perform_substitutions(context, given))
 
 
-class _Loading:
-    """A launch file, with every node that it makes, and those that would be started."""
+def _told_of(path: str, node: Any, refused: list[str]) -> dict[str, Any]:
+    """Return what a launch file would start, with the launch arguments that change it."""
+    told = _Loading(path, node).result(refused)
+    note_arguments(told, lambda given: _Loading(path, node, given).result(refused), LONGEST / 2)
+    return told
 
-    def __init__(self, path: str, node: Any) -> None:
-        self.path, self.node = path, node
+
+class _Loading:
+    """A launch file, with every node that it makes, and those that would be started with some launch arguments."""
+
+    def __init__(self, path: str, node: Any, arguments: Mapping[str, str] = MappingProxyType({})) -> None:
+        self.path, self.node, self.given = path, node, arguments
         self.made: list[tuple[Any, dict[str, Any], int | None]] = []
         self.nodes: list[dict[str, Any]] = []
         self.reached: set[int] = set()
@@ -158,7 +166,7 @@ class _Loading:
             list[list[str | None]]
         ] = []  # all nodes, then those that each choice of arguments starts
         self.faults: list[dict[str, Any]] = []
-        self.arguments: set[str] = set()
+        self.arguments: dict[str, str | None] = {}  # with their values, where known
         self.asked: dict[str, set[str]] = {}  # by tag, the attributes that its action asks for
         self.later: list[dict[str, Any]] = []  # what only actions lack that launch does not run at once
         self.is_later = False
@@ -193,7 +201,7 @@ class _Loading:
         return {
             "nodes": self.nodes,
             "choices": self.choices,
-            "arguments": sorted(self.arguments),
+            "arguments": dict(sorted(self.arguments.items())),
             "lost": [] if error else lost,
             "faults": self.faults,
             "error": error,
@@ -245,7 +253,10 @@ class _Loading:
 
         included = IncludeLaunchDescription(AnyLaunchDescriptionSource(self.path))  # as `ros2 launch` does
         context = LaunchContext(noninteractive=True)
+        context.launch_configurations.update(self.given)
         self._visit(included, context)
+        for name in self.arguments:
+            self.arguments[name] = context.launch_configurations.get(name)
         with contextlib.suppress(Exception):  # of a node that is not started, anything may be unknown
             self._choose(context)
 
@@ -312,7 +323,7 @@ class _Loading:
         own = getattr(entity, "condition", None)
         conditions = self.conditions.setdefault(id(entity), conditions if own is None else (*conditions, own))
         if isinstance(entity, DeclareLaunchArgument):
-            self.arguments.add(entity.name)
+            self.arguments[entity.name] = None
         for child in _inside(entity):
             self._reach(child, conditions)
 
@@ -325,13 +336,11 @@ class _Loading:
         base = context.launch_configurations.get("ros_namespace") or ""
         own = text(given.get("namespace")) or ""
         scoped = context.launch_configurations.get("global_params", [])
-        of_scope: dict[str, Any] = dict(entry for entry in scoped if isinstance(entry, tuple))
-        files = [os.path.realpath(str(text(entry))) for entry in scoped if not isinstance(entry, tuple)]
-        in_order = [*_in_order(parameters, context, text)]
-        files += [entry for entry in in_order if isinstance(entry, str)]
-        values: dict[str, Any] = {**of_scope}
-        for entry in (entry for entry in in_order if isinstance(entry, dict)):
-            values |= entry
+        in_order: list[Any] = [
+            dict([entry]) if isinstance(entry, tuple) else os.path.realpath(str(text(entry)))
+            for entry in scoped
+        ]
+        in_order += _in_order(parameters, context, text)
         renamed = [*context.launch_configurations.get("ros_remaps", []), *(given.get("remappings") or [])]
         is_whole = own.startswith("/") or not base
         self.nodes.append(
@@ -341,11 +350,10 @@ class _Loading:
                 "name": text(given.get("name")),
                 "namespace": own if is_whole else f"{base.rstrip('/')}/{own}".rstrip("/"),
                 "remappings": [[text(part) for part in pair] for pair in renamed],
-                "files": files,
                 "output": None if given.get("output") is None else str(given["output"]),
                 "arguments": [text(word) for word in given.get("arguments") or []],
-                "values": values,
                 "given": in_order,
+                "by_argument": [],
                 "is_wrapped": bool(given.get("prefix") or context.launch_configurations.get("launch-prefix")),
                 "line": line,
                 "file": os.path.realpath(getattr(context.locals, "current_launch_file_path", self.path)),

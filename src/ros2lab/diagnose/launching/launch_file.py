@@ -49,10 +49,12 @@ class Launched:
         remappings: the names that are replaced, each with the new one.
         namespace: the namespace in which it is started; empty for none.
         arguments: its command-line arguments.
-        values: the parameters that it is given directly, without those of files.
         given: its parameters in order: dicts of values by name, and paths of files.
+        by_argument: the launch arguments that change a parameter, by the number of its entry and its name.
         is_wrapped: whether launch starts another program, such as a terminal of its own, which then starts it.
         is_listed: whether launch is given it, as far as the text tells.
+        entries: the places of the names that its parameters and remappings have in the file, and of their lists.
+        line: where it is made; 0 if that is not known.
     """
 
     package: Any
@@ -64,10 +66,23 @@ class Launched:
     namespace: Any = ""
     output: Any = None
     arguments: tuple[str, ...] = ()
-    values: Mapping[str, Any] = field(default_factory=dict)
     given: tuple[Mapping[str, Any] | str, ...] = ()
     is_wrapped: bool = False
     is_listed: bool = True
+    by_argument: Mapping[tuple[int, str], str] = field(default_factory=dict)
+    entries: Mapping[str, str] = field(default_factory=dict)
+    line: int = 0
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """The parameters that it is given directly, without those of files."""
+        return {
+            name: value for given in self.given if isinstance(given, Mapping) for name, value in given.items()
+        }
+
+    def place_of(self, name: str, keyword: str = "parameters") -> str:
+        """Return where a parameter, or the old name of a remapping, is written for this node, as far as that is known."""
+        return self.entries.get(name) or self.entries.get(keyword) or self.place
 
     @property
     def remapped(self) -> tuple[str, ...]:
@@ -269,7 +284,21 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
             _words(given.get("arguments")),
             is_wrapped=bool(given.get("prefix")),
             is_listed=id(node) not in idle,
+            entries=_entries(source, node),
+            line=node.lineno,
         )
+
+
+def _entries(source: PythonSource, call: ast.Call) -> dict[str, str]:
+    """Return the places of the texts in a node's parameters and remappings, and of these lists themselves."""
+    found: dict[str, str] = {}
+    for keyword in call.keywords:
+        if keyword.arg in ("parameters", "remappings"):
+            found[keyword.arg] = source.at(keyword.value)
+            for inner in ast.walk(source.written(keyword.value) or keyword.value):
+                if isinstance(inner, ast.Constant) and isinstance(inner.value, str):
+                    found.setdefault(inner.value, source.at(inner))
+    return found
 
 
 def _words(arguments: Any) -> tuple[str, ...]:

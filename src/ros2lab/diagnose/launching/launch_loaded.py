@@ -154,7 +154,7 @@ def _joined(
         return replace(file, faults=faults, refusal=refusal)
     real = {other.resolve(): known for other, known in files.items()}
     nodes = tuple(_launched(node, real.get(Path(node["file"]), file), packages) for node in told["nodes"])
-    given = [wanted for node in told["nodes"] for wanted in node["files"]]
+    given = [wanted for node in told["nodes"] for wanted in node["given"] if isinstance(wanted, str)]
     faults = (
         *_never_added(source, told["lost"]),
         *_torn(source, given, packages),
@@ -178,9 +178,10 @@ def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[Sour
     started = [node["executable"], re.sub(r"^/.*/share/", SHARE, str(node["executable"]))]
     alike = (known for known in file.nodes if known.package == node["package"])
     read = [known for known in alike if known.executable in started]
+    read = [known for known in read if known.line == node["line"]] or read
     files = [
         (package.name, str(path.relative_to(package.folder.resolve())))
-        for path in map(Path, node["files"])
+        for path in (Path(entry) for entry in node["given"] if isinstance(entry, str))
         for package in packages
         if path.is_relative_to(package.folder.resolve())
     ]
@@ -194,9 +195,10 @@ def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[Sour
         node["namespace"],
         node["output"],
         tuple(node["arguments"]),
-        node["values"],
         tuple(node["given"]),
         node["is_wrapped"],
+        by_argument={(number, name): argument for number, name, argument in node["by_argument"]},
+        entries=read[0].entries if len(read) == 1 else {},
     )
 
 

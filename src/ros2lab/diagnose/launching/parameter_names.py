@@ -15,12 +15,12 @@ from typing import Any
 from ros2lab import every_node
 from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with
 from ros2lab.diagnose.launching.launch_arguments import sections_in
-from ros2lab.diagnose.launching.launch_file import LaunchFile
+from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.started_faults import Packages, Started, started_in
 from ros2lab.diagnose.nodes.parameter_faults import declared_in, flat, is_misspelt, is_node, renamed
 from ros2lab.diagnose.nodes.parameter_values import of_its_type, type_in_words
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.parameter_file import BELOW, kind_of, written_values
+from ros2lab.diagnose.sources.parameter_file import BELOW, is_for, kind_of, written_values
 from ros2lab.diagnose.sources.python_source import argument, last_name, read_text
 from ros2lab.diagnose.sources.spelling import may_mean, nearest
 from ros2lab.diagnose.sources.static_value import UNKNOWN
@@ -50,9 +50,10 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
 
 
 def set_back(started: Sequence[Started]) -> Iterator[Finding]:
-    """Yield values of a file of which none counts, as those of the launch file come after them, and the reverse.
+    """Yield launch arguments that a later entry overrides, and files of which no value counts, as those of the launch file do.
 
-    A file that other nodes are given too, or that has a single value, may be overridden on purpose.
+    A constant before a file is a default, and a file that other nodes are given too, or that has a single value, may be
+    overridden on purpose.
     """
     files = {(node.launched.place, str(given)) for node in started for given in node.launched.given}
     users = Counter(file for _, file in files)
@@ -63,41 +64,41 @@ def set_back(started: Sequence[Started]) -> Iterator[Finding]:
         # ROS takes the sections in the order in which each comes first; nothing is told where that makes a difference.
         if last != {row.name: row for row in sorted(rows, key=lambda row: sections.index(row.section))}:
             continue
+        for row in rows:
+            if row.argument not in ("", last[row.name].argument):
+                yield _overridden(row, last[row.name], node.launched)
         for (_, file), group in itertools.groupby(rows, key=attrgetter("number", "file")):
             lost = {row.name: row for row in group}
-            is_shared = bool(file) and (len(lost) == 1 or users[file] > 1)
-            if not is_shared and _is_lost(lost.values(), last):
-                yield _none_counts([*lost.values()], last, node.launched.place)
+            if file and len(lost) > 1 and users[file] == 1 and _is_lost(lost.values(), last):
+                yield _none_counts([*lost.values()], last, node.launched)
 
 
 def _is_lost(given: Collection[_Given], last: Mapping[str, _Given]) -> bool:
-    """Return whether all values of an entry are replaced by others, of a single later entry of the other kind."""
+    """Return whether all values of a file are replaced by others, of a single later entry of the launch file."""
     ends = {(last[row.name].number, last[row.name].file) for row in given}
-    row = next(iter(given))
     (number, file), *more = ends
-    is_other = number > row.number and bool(file) != bool(row.file)
-    return (
-        is_other
-        and not more
-        and all(str(one.value).lower() != str(last[one.name].value).lower() for one in given)
-    )
+    is_later = number > next(iter(given)).number and not file and not more
+    return is_later and all(str(one.value).lower() != str(last[one.name].value).lower() for one in given)
 
 
-def _none_counts(given: Sequence[_Given], last: Mapping[str, _Given], place: str) -> Finding:
-    """Say that values do not count, because those that come after them do."""
+def _overridden(row: _Given, last: _Given, node: Launched) -> Finding:
+    """Say that a launch argument changes nothing, because what comes after it sets its parameter as well."""
+    other = Path(last.file).name if last.file else "the launch file"
+    cause = f"The launch argument {row.argument} gives {node.executable} the parameter {row.name}, but after it {other} sets {row.name} to {last.value!r}: the last value counts, so {row.argument}:=... changes nothing."
+    fix = f"give the node first what sets {row.name} to {last.value!r}, and then the value of {row.argument}"
+    fix = f"give the node {other} first, and {row.name} after it" if last.file else fix
+    return Finding("launch-argument", cause, node.place_of(row.name), fix, (row.name,))
+
+
+def _none_counts(given: Sequence[_Given], last: Mapping[str, _Given], node: Launched) -> Finding:
+    """Say that the values of a file do not count, because those that come after them do."""
     names = tuple(row.name for row in given)
-    file, other = given[0].file, last[names[0]].file
-    shown, it = Path(file or other).name, "them" if len(names) > 1 else "it"
+    shown = Path(given[0].file).name
     first = in_a_row([f"{row.name} is {row.value!r}" for row in given])
     ends = in_a_row([repr(last[name].value) for name in names])
-    then = f"sets {it} to {ends}: the last value counts."
-    if file:
-        cause = f"{first} in {shown}, but the launch file, after it, {then}"
-        fix = f"give the node {shown} after these values, or without those that it should set"
-    else:
-        cause = f"{first} here, but {shown}, which comes after {it}, {then}"
-        fix = f"write {shown} first in parameters=[...], and the values that should win after it"
-    return Finding("launch-argument", cause, place, fix, names)
+    cause = f"{first} in {shown}, but the launch file, after it, sets them to {ends}: the last value counts."
+    fix = f"give the node {shown} after these values, or without those that it should set"
+    return Finding("launch-argument", cause, node.place_of(names[0]), fix, names)
 
 
 @dataclass(frozen=True)
@@ -108,6 +109,7 @@ class _Given:
         number: of the file, or of all that a launch file gives between two files.
         file: its path; empty for what a launch file gives.
         section: the key of the file below which it stands.
+        argument: the launch argument that changes it; empty if none does.
     """
 
     number: int
@@ -115,18 +117,20 @@ class _Given:
     section: str
     name: str
     value: Any
+    argument: str = ""
 
 
 def _given_to(node: Started) -> Iterator[_Given]:
     """Yield what a node is given, in order."""
-    number = 0
-    for before, given in itertools.pairwise(("", *node.launched.given)):
+    number, of = 0, node.launched.by_argument
+    for index, (before, given) in enumerate(itertools.pairwise(("", *node.launched.given))):
         number += isinstance(before, str) or isinstance(given, str)
         if isinstance(given, Mapping):
-            yield from (_Given(number, "", "/**", *row) for row in flat(given))
+            for name, value in flat(given):
+                yield _Given(number, "", "/**", name, value, of.get((index, name), ""))
             continue
         for key, values in sections_in(read_text(Path(given))):
-            if is_node(key, {node.name}):
+            if is_for(key, node.runs_as or "/"):
                 yield from (_Given(number, given, key, *row) for row in values.items())
 
 
@@ -146,7 +150,7 @@ def given_in_vain(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
             launched = nodes[-1].launched
             homes = [(node.sources, node.module) for node in nodes]
             value = dict(flat(launched.values))[name]
-            place = nodes[0].launched.place
+            place = nodes[0].launched.place_of(name)
             yield from _fault(file.giver, (name, value), launched.values, homes, place)
 
 
@@ -186,7 +190,11 @@ def _of_other_type(node: Started, giver: str) -> Iterator[Finding]:
             cause = f"{node.launched.executable} declares {name} with {type_in_words(wanted)}, but {giver} gives it {value}, {type_in_words(kind)}, so the node does not start."
             right = f"{value}.0" if (kind, wanted) == ("INTEGER", "DOUBLE") else type_in_words(wanted)
             yield Finding(
-                "parameter-type", cause, node.launched.place, f"write {right} instead of {value}", (name,)
+                "parameter-type",
+                cause,
+                node.launched.place_of(name),
+                f"write {right} instead of {value}",
+                (name,),
             )
 
 

@@ -114,9 +114,8 @@ def _of_another_space(file: LaunchFile, node: Started, topic: str, written: set[
     meant = next(name for name in sorted(written) if name.lstrip("/") == topic.lstrip("/"))
     full = node.resolved_alone(meant)
     cause = f"{file.giver} remaps {topic!r}, which is {node.resolved_alone(topic)}, but {node.launched.executable} is in the namespace {node.namespace}, and its {meant} is {full}: the remapping changes nothing."
-    return Finding(
-        "remap-unknown", cause, node.launched.place, f"write {meant!r} as the first name of the remapping"
-    )
+    fix = f"write {meant!r} as the first name of the remapping"
+    return Finding("remap-unknown", cause, node.launched.place_of(topic, "remappings"), fix)
 
 
 def _remapped(
@@ -139,7 +138,7 @@ def _remapped(
         is_met, is_met_turned = new.lstrip("/") in beside, topic.lstrip("/") in beside
         fix = f"remove it if {new!r} is right; otherwise {turned}" if is_met == is_met_turned else turned
         fix = "remove it" if is_met and not is_met_turned else fix
-    return Finding("remap-unknown", cause, node.launched.place, fix)
+    return Finding("remap-unknown", cause, node.launched.place_of(topic, "remappings"), fix)
 
 
 def _names(files: NodeSources) -> set[str]:

@@ -234,7 +234,7 @@ def _without_clock(file: LaunchFile, nodes: Sequence[Started]) -> Iterator[Findi
             is_argument = "use_sim_time" in (file.arguments or ()) and not file.faults
             fix = "make 'false' the default of the launch argument use_sim_time, or start it with use_sim_time:=false"
             fix = f"{fix if is_argument else 'set use_sim_time to False, or remove it'}, unless a simulator is running"
-            yield Finding("period", cause, node.launched.place, fix)
+            yield Finding("period", cause, node.launched.place_of("use_sim_time"), fix)
     for home, path in dict.fromkeys(
         (node.package, path)
         for node in nodes
@@ -394,7 +394,8 @@ def _moved(moved: Started, meet: str, plain: str, *, are_together: bool) -> Find
     if moved.namespace:
         fix = f"{way}, or name the topic {plain!r}, with a slash, in both"
     cause = f"The launch file starts {moved.launched.executable} {why}: {meet}."
-    return Finding("launch-apart", cause, moved.launched.place, fix)
+    place = moved.launched.place if moved.namespace else moved.launched.place_of(plain, "remappings")
+    return Finding("launch-apart", cause, place, fix)
 
 
 def _others(ends: Sequence[_End], name: str, *, is_publisher: bool) -> bool:

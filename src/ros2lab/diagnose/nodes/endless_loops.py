@@ -155,7 +155,7 @@ def uses_threads(sources: NodeSources, source: PythonSource) -> bool:
     return bool(threads_of(sources, source))
 
 
-def threads_of(sources: NodeSources, source: PythonSource) -> set[str]:
+def threads_of(sources: NodeSources, source: PythonSource) -> frozenset[str]:
     """Return the names of what calls something in several threads, in a file or what runs together with it."""
     nodes = (node for name in sources.together(source.name) for node in sources.sources[name].nodes)
-    return {getattr(node, "id", None) or getattr(node, "attr", "") for node in nodes} & _THREADED
+    return _THREADED & {str(getattr(node, "id", None) or getattr(node, "attr", None)) for node in nodes}

@@ -1,0 +1,47 @@
+"""Find which parameters of a node a launch argument changes: those that differ when the file is loaded with another value.
+
+It runs in the process that loads launch files.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+_FLIPPED = {"true": "false", "false": "true"}
+
+
+def note_arguments(
+    told: Mapping[str, Any], load: Callable[[Mapping[str, str]], Mapping[str, Any]], longest: float
+) -> None:
+    """Note at the nodes of a launch file the arguments that give their parameters, where a later entry may set these too.
+
+    Args:
+        told: what the file starts, as `load` tells it.
+        load: loads the file with values for some arguments.
+        longest: the processor time in s of this process after which no argument is tried any more.
+    """
+    nodes = told.get("nodes", [])
+    may_be_lost = any(isinstance(entry, dict) for node in nodes for entry in node["given"][:-1])
+    for name, value in told["arguments"].items() if may_be_lost else ():
+        if value is None or time.process_time() > longest:
+            continue
+        others = load({name: _another(value)}).get("nodes", [])
+        if [node["executable"] for node in others] == [node["executable"] for node in nodes]:
+            for node, other in zip(nodes, others, strict=True):
+                node["by_argument"] += [(*place, name) for place in _changed(node["given"], other["given"])]
+
+
+def _another(value: str) -> str:
+    """Return another value of an argument, of the same kind as far as its text tells."""
+    if value[-1:].isdecimal():
+        return value[:-1] + ("8" if value[-1] == "9" else str(int(value[-1]) + 1))
+    return _FLIPPED.get(value.lower(), f"{value}_")
+
+
+def _changed(given: list[Any], other: list[Any]) -> Iterator[tuple[int, str]]:
+    """Yield the parameters that two lists give different values, each with the number of its entry."""
+    for number, (entry, there) in enumerate(zip(given, other, strict=False)):
+        if isinstance(entry, dict) and isinstance(there, dict):
+            yield from ((number, name) for name in entry if entry[name] != there.get(name, entry[name]))
