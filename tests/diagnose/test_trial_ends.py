@@ -15,8 +15,9 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.grading.evidence import Clock, CommandSeen, Heard, Run
 from ros2lab.trial import try_out
-from ros2lab.trial.run import _why_none, own_file
+from ros2lab.trial.run import _why_none
 from ros2lab.trial.seen import Seen, seen_faults
+from ros2lab.trial.starts import own_file
 from ros2lab.trial.story import told_of
 
 SAID = Heard(STRING, "/status_publisher", [0.0, 0.5, 1.0], [{"data": "start"}] * 3, 3)

@@ -12,6 +12,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.grading.evidence import Run
 from ros2lab.trial.spoken import MOST_SHOWN, Sent, counted, leaves_in, spread
+from ros2lab.trial.starts import executable_of
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
@@ -142,7 +143,7 @@ def _are_launched(seen: Seen, names: Sequence[str]) -> bool:
             if len(file.choices) > 1
             else {n.executable for n in file.nodes}
         )
-        if started.issuperset(names):
+        if started.issuperset(map(executable_of, names)):
             return True
     return False
 

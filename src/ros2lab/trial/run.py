@@ -5,14 +5,12 @@ They are the student's own programs on the student's own machine, so they run un
 
 from __future__ import annotations
 
-import ast
 import contextlib
 import itertools
-import json
 import math
 import re
 import socket
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,14 +18,10 @@ from typing import Any
 from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose.finding import Finding, ranked
-from ros2lab.diagnose.launching.started_faults import Started
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.topic_faults import ends_of, word_sources
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.printed.error_text import read_error
-from ros2lab.diagnose.sources.package import SourcePackage
-from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
-from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.domain_lease import leased
 from ros2lab.grading.code.compared import compared
 from ros2lab.grading.code.contents import Contents
@@ -48,12 +42,12 @@ from ros2lab.trial.rivals import rival_faults, told_of_rivals
 from ros2lab.trial.seen import Seen, seen_faults
 from ros2lab.trial.set_in_vain import set_in_vain
 from ros2lab.trial.spoken import Said, Sent, read_sent
+from ros2lab.trial.starts import programs_of
 from ros2lab.trial.story import told_of, untried
 from ros2lab.trial.unmade import unmade_faults
 from ros2lab.trial.witnessed import Witnessed, environ_in, is_contradicted, witnessed
 from ros2lab.workspace import Workspace
 
-MOST_PROGRAMS = 10
 _TRACEBACK = "Traceback (most recent call last)"
 _CHAINED = re.compile(r"exception(?: occurred)?:\s*\Z")  # the traceback after it belongs to the one before
 _BRIEF = {"is_brief": True}
@@ -96,7 +90,7 @@ def try_out(
     look = Look(root, loads=True)
     environment.remove_dead_shared_memory()
     with scratch_folder() as values:
-        programs = [*itertools.islice(_programs(look, Workspace(root).overlay, values), MOST_PROGRAMS)]
+        programs = programs_of(look, Workspace(root).overlay, values)
         if not programs:
             return Trial([], [_why_none(look)], read)
         show(f"running {', '.join(program.name for program in programs)}")
@@ -124,7 +118,9 @@ def try_out(
         *["See whether this is as it should be:"] * bool(others),
         *(f"{note.cause} ({note.place})" for note in others),
     ]
-    return Trial(ranked(found), story, read, untried(seen))
+    # Of a program that is started several times, each start shows the same fault.
+    once = {(one.code, one.place or one.cause, one.fix): one for one in reversed(found)}
+    return Trial(ranked([*once.values()][::-1]), story, read, untried(seen))
 
 
 def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, GivenRun | None]:
@@ -209,61 +205,6 @@ def _why_none(look: Look) -> str:
             "No package in this workspace has installed a program, and only installed programs are run here."
         )
     return "No package in this workspace has installed a program; build the workspace, then run this again."
-
-
-def _programs(look: Look, overlay: Mapping[str, str], folder: Path) -> Iterator[Program]:
-    environ = {
-        name: value for name, value in overlay.items() if name not in ("HOME", "PWD", "OLDPWD", "SHLVL", "_")
-    }
-    for package in look.packages:
-        prefix = prefix_of(look.root, package.name)
-        for path in sorted((prefix / "lib" / package.name).glob("*")) if prefix else ():
-            if path.is_file() and path.stat().st_mode & 0o111:
-                started = look.launched.get((package.name, path.name))
-                values = folder / f"{package.name}-{path.name}.yaml"
-                arguments = _arguments(started, values) if started else own_file(package, path.name)
-                yield Program(path.name, [path, *arguments], environ)
-
-
-def own_file(package: SourcePackage, program: str) -> list[str]:
-    """Return arguments with the only parameter file that names the node of a program; else empty."""
-    found = dict[Path, set[str]]()
-    for path in package.parameter_files:
-        with contextlib.suppress(ParameterFileError, OSError):
-            content = read_parameter_file(read_text(path))
-            if isinstance(content, Mapping):
-                found[path] = {str(name).rpartition("/")[2] for name in content}
-    point = next(
-        (
-            entry_point
-            for entry_point in (package.setup.entry_points if package.setup else None) or ()
-            if entry_point.name == program
-        ),
-        None,
-    )
-    source = package.sources.get(point.module) if point else None
-    texts = {node.value for node in source.nodes if isinstance(node, ast.Constant)} if source else set()
-    named = [path for path, names in found.items() if not names.isdisjoint(texts)]
-    return ["--ros-args", "--params-file", str(named[0])] if len(named) == 1 else []
-
-
-def _arguments(started: Started, values: Path) -> list[str]:
-    """Return the arguments that launch gives a program; files beside `values` hold its parameters, as launch writes them."""
-    given, files = started.launched, list[Path]()
-    for number, entry in enumerate(given.given):
-        files.append(
-            values.with_name(f"{values.stem}-{number}.yaml") if isinstance(entry, Mapping) else Path(entry)
-        )
-        if isinstance(entry, Mapping):
-            files[-1].write_text(json.dumps({"/**": {"ros__parameters": {**entry}}}))
-    names = {"__node": given.name, "__ns": started.namespace}
-    renamed = [*((old, new) for old, new in names.items() if new), *given.remappings]
-    return [
-        *given.arguments,
-        "--ros-args",
-        *(word for old, new in renamed for word in ("-r", f"{old}:={new}")),
-        *(word for path in files if path.is_file() for word in ("--params-file", str(path))),
-    ]
 
 
 def _assignment_for(look: Look) -> Assignment:

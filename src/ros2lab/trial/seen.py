@@ -28,6 +28,7 @@ from ros2lab.trial.ends import ended_together, explained, is_told_alone, needs_o
 from ros2lab.trial.made_by_words import is_made_by_words
 from ros2lab.trial.record import Error
 from ros2lab.trial.spoken import NOTHING, Said
+from ros2lab.trial.starts import executable_of
 from ros2lab.trial.timers import pauseless
 from ros2lab.trial.unended import unended_faults
 from ros2lab.trial.unspun import unspun_fault
@@ -99,7 +100,7 @@ class Seen:
         """Return the sources of a package and the module with a program's entry point; None if not known."""
         for package in self.look.packages:
             for point in (package.setup.entry_points if package.setup else None) or ():
-                if point.name == program and point.module in package.sources:
+                if point.name == executable_of(program) and point.module in package.sources:
                     return self.look.sources(package), point.module
         return None
 
@@ -108,7 +109,7 @@ class Seen:
         for package in self.look.packages:
             for point in (package.setup.entry_points if package.setup else None) or ():
                 sources, name = self.look.sources(package), f"{point.module}.{point.function}"
-                if point.name == program and name in sources.functions:
+                if point.name == executable_of(program) and name in sources.functions:
                     return Entrance(sources, name)
         return None
 
@@ -121,7 +122,8 @@ class Seen:
 
     def are_apart(self, *nodes: str) -> bool:
         """Return whether no launch file starts all programs with nodes of these names."""
-        programs = {run.programs[0] for run in self.alone if not set(nodes).isdisjoint(run.nodes)}
+        runs = [run for run in self.alone if not set(nodes).isdisjoint(run.nodes)]
+        programs = {executable_of(run.programs[0]) for run in runs}
         files = [{node.executable for node in file.nodes} for file in self.look.launch_files]
         return not any(programs <= started for started in files)
 
@@ -142,7 +144,9 @@ class Seen:
             for (_, name), started in self.look.launched.items()
             if started.namespace or started.launched.remappings
         }
-        is_moved = any(run.programs[0] in moved and not nodes.isdisjoint(run.nodes) for run in self.alone)
+        is_moved = any(
+            executable_of(run.programs[0]) in moved and not nodes.isdisjoint(run.nodes) for run in self.alone
+        )
         written = [
             written_end for end in ends for written_end in self.ends(end.topic, is_publisher=end.is_publisher)
         ]

@@ -14,6 +14,7 @@ from ros2lab.diagnose.sources.node_source import Creation, NodeClass
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.every_node import OF_MANAGED
 from ros2lab.grading.evidence import Run
+from ros2lab.trial.starts import executable_of
 from ros2lab.trial.transitions import TRANSITIONS, are_by_hand, asked_for
 
 if TYPE_CHECKING:
@@ -116,7 +117,7 @@ def unmade_ends(seen: Seen, run: Run, called: Called) -> list[Unmade]:
     moved = any(
         started.launched.remappings
         for (_, name), started in seen.look.launched.items()
-        if name in run.programs
+        if name in map(executable_of, run.programs)
     )
     if entrance is None or run.ended or moved:
         return []
