@@ -45,7 +45,7 @@ def test_an_argument_that_stands_before_what_sets_its_parameter_changes_nothing(
     tmp_path: Path, given: str, default: str, value: float
 ) -> None:
     (found,) = arguments_told(given, tmp_path, default)
-    assert f"sets speed to {value}: the last value counts, so fast:=... changes nothing" in found.cause
+    assert f"sets it to {value}: the last value counts, so fast:=... does not change it" in found.cause
     assert Path(found.place).name == "robot.launch.py:18"
 
 

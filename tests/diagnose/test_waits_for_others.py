@@ -78,6 +78,7 @@ def found(text: str, folder: Path) -> list[tuple[str, str]]:
         (told("while not self.held.is_set():\n    pass", "threading.Event()", "self.held.set()"), "do the work"),
         (threaded("while not self.flag:\n    pass", given="self.flag = True"), "write `self.create_timer(1.0, self.tick, callback_group=MutuallyExclusiveCallbackGroup())`"),
         (threaded("self.held.get()", ", self.own", ", callback_group=self.own"), "write `self.create_timer(1.0, self.tick, callback_group=MutuallyExclusiveCallbackGroup())`"),
+        (threaded("self.held.get()", ", self.default_callback_group"), "write `self.create_timer(1.0, self.tick, callback_group=MutuallyExclusiveCallbackGroup())`"),
         (threaded("self.held.wait()", made="threading.Event()", given="self.held.set()"), "write `self.create_timer("),
     ],
 )  # fmt: skip

@@ -149,7 +149,8 @@ def group_of(call: ast.Call) -> str:
     group = argument(call, 2 if is_timer else len(call.args), "callback_group")
     if isinstance(group, ast.Call):
         return f"{ast.unparse(group)} of {id(group)}"  # one of its own
-    return ast.unparse(group) if group is not None and ast.unparse(group) != "None" else ""
+    text = ast.unparse(group) if group is not None else "None"
+    return "" if text == "None" or text.endswith(".default_callback_group") else text
 
 
 def in_own_group(call: ast.Call) -> str:

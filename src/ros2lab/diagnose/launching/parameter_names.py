@@ -50,7 +50,7 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
 
 
 def set_back(started: Sequence[Started]) -> Iterator[Finding]:
-    """Yield launch arguments that a later entry overrides, and files of which no value counts, as those of the launch file do.
+    """Yield the values of a launch argument that later ones override, and files of which no value counts for that reason.
 
     A constant before a file is a default, and a file that other nodes are given too, or that has a single value, may be
     overridden on purpose.
@@ -64,40 +64,30 @@ def set_back(started: Sequence[Started]) -> Iterator[Finding]:
         # ROS takes the sections in the order in which each comes first; nothing is told where that makes a difference.
         if last != {row.name: row for row in sorted(rows, key=lambda row: sections.index(row.section))}:
             continue
-        for row in rows:
-            if row.argument not in ("", last[row.name].argument):
-                yield _overridden(row, last[row.name], node.launched)
-        for (_, file), group in itertools.groupby(rows, key=attrgetter("number", "file")):
-            lost = {row.name: row for row in group}
-            if file and len(lost) > 1 and users[file] == 1 and _is_lost(lost.values(), last):
-                yield _none_counts([*lost.values()], last, node.launched)
+        for source in dict.fromkeys(row.source for row in rows if row.source):
+            own = {row.name: row for row in rows if row.source == source}
+            lost = [row for row in own.values() if last[row.name].source != source]
+            is_whole = len(lost) == len(own) > 1 and users[source] == 1
+            ends = [(row.value, last[row.name]) for row in lost]
+            is_replaced = all(not e.is_of_file and str(v).lower() != str(e.value).lower() for v, e in ends)
+            if lost and ((is_whole and is_replaced) or not lost[0].is_of_file):
+                yield _lost(lost, [end for _, end in ends], node.launched)
 
 
-def _is_lost(given: Collection[_Given], last: Mapping[str, _Given]) -> bool:
-    """Return whether all values of a file are replaced by others, of a single later entry of the launch file."""
-    ends = {(last[row.name].number, last[row.name].file) for row in given}
-    (number, file), *more = ends
-    is_later = number > next(iter(given)).number and not file and not more
-    return is_later and all(str(one.value).lower() != str(last[one.name].value).lower() for one in given)
-
-
-def _overridden(row: _Given, last: _Given, node: Launched) -> Finding:
-    """Say that a launch argument changes nothing, because what comes after it sets its parameter as well."""
-    other = Path(last.file).name if last.file else "the launch file"
-    cause = f"The launch argument {row.argument} gives {node.executable} the parameter {row.name}, but after it {other} sets {row.name} to {last.value!r}: the last value counts, so {row.argument}:=... changes nothing."
-    fix = f"give the node first what sets {row.name} to {last.value!r}, and then the value of {row.argument}"
-    fix = f"give the node {other} first, and {row.name} after it" if last.file else fix
-    return Finding("launch-argument", cause, node.place_of(row.name), fix, (row.name,))
-
-
-def _none_counts(given: Sequence[_Given], last: Mapping[str, _Given], node: Launched) -> Finding:
-    """Say that the values of a file do not count, because those that come after them do."""
-    names = tuple(row.name for row in given)
-    shown = Path(given[0].file).name
-    first = in_a_row([f"{row.name} is {row.value!r}" for row in given])
-    ends = in_a_row([repr(last[name].value) for name in names])
-    cause = f"{first} in {shown}, but the launch file, after it, sets them to {ends}: the last value counts."
-    fix = f"give the node {shown} after these values, or without those that it should set"
+def _lost(given: Sequence[_Given], last: Sequence[_Given], node: Launched) -> Finding:
+    """Say that values of a file or of a launch argument do not count, because those that come after them do."""
+    names, values = tuple(row.name for row in given), in_a_row([repr(row.value) for row in last])
+    first, source = in_a_row([f"{row.name} is {row.value!r}" for row in given]), Path(given[0].source).name
+    other, it = (
+        Path(last[0].source).name if last[0].is_of_file else "the launch file",
+        "them" if names[1:] else "it",
+    )
+    then = f"but {other}, after it, sets {it} to {values}: the last value counts"
+    cause = f"{first} in {source}, {then}."
+    fix = f"give the node {source} after these values, or without those that it should set"
+    if not given[0].is_of_file:
+        cause = f"{first} by the launch argument {source}, {then}, so {source}:=... does not change {it}."
+        fix = f"give the node {other if last[0].is_of_file else 'the other value'} first, and {in_a_row(names)} after that"
     return Finding("launch-argument", cause, node.place_of(names[0]), fix, names)
 
 
@@ -106,32 +96,28 @@ class _Given:
     """A value that a node is given.
 
     Attributes:
-        number: of the file, or of all that a launch file gives between two files.
-        file: its path; empty for what a launch file gives.
+        source: the path of a file, or the launch argument that changes the value; empty for a constant of the launch file.
         section: the key of the file below which it stands.
-        argument: the launch argument that changes it; empty if none does.
     """
 
-    number: int
-    file: str
+    source: str
+    is_of_file: bool
     section: str
     name: str
     value: Any
-    argument: str = ""
 
 
 def _given_to(node: Started) -> Iterator[_Given]:
     """Yield what a node is given, in order."""
-    number, of = 0, node.launched.by_argument
-    for index, (before, given) in enumerate(itertools.pairwise(("", *node.launched.given))):
-        number += isinstance(before, str) or isinstance(given, str)
+    arguments = node.launched.by_argument
+    for number, given in enumerate(node.launched.given):
         if isinstance(given, Mapping):
-            for name, value in flat(given):
-                yield _Given(number, "", "/**", name, value, of.get((index, name), ""))
+            rows = [(arguments.get((number, name), ""), name, value) for name, value in flat(given)]
+            yield from (_Given(source, False, "/**", name, value) for source, name, value in rows)
             continue
         for key, values in sections_in(read_text(Path(given))):
             if is_for(key, node.runs_as or "/"):
-                yield from (_Given(number, given, key, *row) for row in values.items())
+                yield from (_Given(given, True, key, *row) for row in values.items())
 
 
 def given_in_vain(file: LaunchFile, packages: Packages) -> Iterator[Finding]:
