@@ -601,7 +601,15 @@ def test_a_callback_that_waits_for_another_one(tmp_path: Path, inside: str) -> N
     files.change(
         "driver", "import rclpy\n", "import rclpy\nfrom rclpy.executors import MultiThreadedExecutor\n"
     )
-    assert "callback-waits" not in [one.code for one in of_workspace(files.write(tmp_path / "b"))]
+    (told,) = (one for one in of_workspace(files.write(tmp_path / "b")) if one.code == "callback-waits")
+    made = told.fix.partition("`")[2].partition("`")[0]  # in several threads, the group counts
+    files.change("driver", "self.create_subscription(Twist, 'order', self.order, 10)", made)
+    files.change(
+        "driver",
+        "import rclpy\n",
+        "import rclpy\nfrom rclpy.callback_groups import MutuallyExclusiveCallbackGroup\n",
+    )
+    assert "callback-waits" not in [one.code for one in of_workspace(files.write(tmp_path / "c"))]
 
 
 def test_a_copied_line_with_the_topic_of_another_program(tmp_path: Path) -> None:

@@ -38,7 +38,6 @@ FAST, OTHER = "LaunchConfiguration('fast')", "{'speed': LaunchConfiguration('oth
         (f"[{{'speed': {FAST}}}, config, {{'other': 1}}]", "0.9", 0.3),
         (f"[{{'speed': {FAST}}}, {{'speed': 0.4}}]", "0.9", 0.4),
         (f"[{{'speed': {FAST}}}, {OTHER}]", "0.9", 0.5),
-        (f"[{{'speed': {FAST}, 'more': {FAST}}}, config]", "0.9", 0.3),
     ],
 )
 def test_an_argument_that_stands_before_what_sets_its_parameter_changes_nothing(
@@ -55,6 +54,8 @@ def test_an_argument_that_stands_before_what_sets_its_parameter_changes_nothing(
         f"[config, {{'speed': {FAST}}}]",
         f"[{{'speed': {FAST}}}]",
         f"[{{'other': {FAST}}}, config]",
+        f"[{{'speed': {FAST}, 'more': {FAST}}}, config]",
+        f"[{{'speed': {FAST}}}, config], name=['at_', {FAST}]",
         f"[{{'speed': {FAST}}}, config, {{'speed': {FAST}}}]",
         "[{'speed': 0.9}, config]",
     ],

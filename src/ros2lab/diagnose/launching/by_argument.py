@@ -30,7 +30,7 @@ def note_arguments(
         others = load({name: _another(value)}).get("nodes", [])
         if [node["executable"] for node in others] == [node["executable"] for node in nodes]:
             for node, other in zip(nodes, others, strict=True):
-                node["by_argument"] += [(*place, name) for place in _changed(node["given"], other["given"])]
+                node["by_argument"] += [(*place, name) for place in _changed(node, other)]
 
 
 def _another(value: str) -> str:
@@ -40,8 +40,15 @@ def _another(value: str) -> str:
     return _FLIPPED.get(value.lower(), f"{value}_")
 
 
-def _changed(given: list[Any], other: list[Any]) -> Iterator[tuple[int, str]]:
-    """Yield the parameters that two lists give different values, each with the number of its entry."""
-    for number, (entry, there) in enumerate(zip(given, other, strict=False)):
-        if isinstance(entry, dict) and isinstance(there, dict):
-            yield from ((number, name) for name in entry if entry[name] != there.get(name, entry[name]))
+def _changed(node: Mapping[str, Any], other: Mapping[str, Any]) -> Iterator[tuple[int, str]]:
+    """Yield the parameters of a node that are others now, each with the number of its entry; none if more than these is."""
+    rest = [
+        [value for key, value in one.items() if key not in ("given", "by_argument")] for one in (node, other)
+    ]
+    names = [
+        [entry if isinstance(entry, str) else [*entry] for entry in one["given"]] for one in (node, other)
+    ]
+    if rest[0] == rest[1] and names[0] == names[1]:
+        for number, (entry, there) in enumerate(zip(node["given"], other["given"], strict=True)):
+            if isinstance(entry, dict):
+                yield from ((number, name) for name in entry if entry[name] != there[name])

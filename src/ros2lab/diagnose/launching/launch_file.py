@@ -50,7 +50,7 @@ class Launched:
         namespace: the namespace in which it is started; empty for none.
         arguments: its command-line arguments.
         given: its parameters in order: dicts of values by name, and paths of files.
-        by_argument: the launch arguments that change a parameter, by the number of its entry and its name.
+        by_argument: the launch arguments that change nothing of it but parameters, by the entry's number and the name.
         is_wrapped: whether launch starts another program, such as a terminal of its own, which then starts it.
         is_listed: whether launch is given it, as far as the text tells.
         entries: the places of the names that its parameters and remappings have in the file, and of their lists.

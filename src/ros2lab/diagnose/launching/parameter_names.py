@@ -50,7 +50,7 @@ def passed_over(packages: Packages, launch_files: Sequence[LaunchFile]) -> Itera
 
 
 def set_back(started: Sequence[Started]) -> Iterator[Finding]:
-    """Yield the values of a launch argument that later ones override, and files of which no value counts for that reason.
+    """Yield files and launch arguments of which no value counts for a node, as those that come after them do.
 
     A constant before a file is a default, and a file that other nodes are given too, or that has a single value, may be
     overridden on purpose.
@@ -67,10 +67,10 @@ def set_back(started: Sequence[Started]) -> Iterator[Finding]:
         for source in dict.fromkeys(row.source for row in rows if row.source):
             own = {row.name: row for row in rows if row.source == source}
             lost = [row for row in own.values() if last[row.name].source != source]
-            is_whole = len(lost) == len(own) > 1 and users[source] == 1
             ends = [(row.value, last[row.name]) for row in lost]
             is_replaced = all(not e.is_of_file and str(v).lower() != str(e.value).lower() for v, e in ends)
-            if lost and ((is_whole and is_replaced) or not lost[0].is_of_file):
+            is_file = len(own) > 1 and users[source] == 1 and is_replaced
+            if len(lost) == len(own) and (is_file or not lost[0].is_of_file):
                 yield _lost(lost, [end for _, end in ends], node.launched)
 
 
