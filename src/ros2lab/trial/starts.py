@@ -40,19 +40,16 @@ def programs_of(look: Look, overlay: Mapping[str, str], folder: Path) -> list[Pr
         for path in sorted((prefix / "lib" / package.name).glob("*")) if prefix else ():
             if not path.is_file() or not path.stat().st_mode & 0o111:
                 continue
-            first, values = (
-                look.launched.get((package.name, path.name)),
-                folder / f"{package.name}-{path.name}.yaml",
-            )
+            first = look.launched.get((package.name, path.name))
+            values = folder / f"{package.name}-{path.name}.yaml"
             arguments = _arguments(first, values) if first else own_file(package, path.name)
             programs.append(Program(path.name, [path, *arguments], environ))
             for start, label in _others(look, first) if first else ():
                 # What a program notes is found by the name under which it is started.
                 link = folder / f"{path.name} ({label})"
                 link.symlink_to(path)
-                others.append(
-                    Program(link.name, [link, *_arguments(start, folder / f"{link.name}.yaml")], environ)
-                )
+                arguments = _arguments(start, folder / f"{link.name}.yaml")
+                others.append(Program(link.name, [link, *arguments], environ))
     return [*programs, *others][:MOST_PROGRAMS]
 
 
@@ -100,9 +97,7 @@ def _arguments(started: Started, values: Path) -> list[str]:
     """Return the arguments that launch gives a program; files beside `values` hold its parameters, as launch writes them."""
     given, files = started.launched, list[Path]()
     for number, entry in enumerate(given.given):
-        files.append(
-            values.with_name(f"{values.stem}-{number}.yaml") if isinstance(entry, Mapping) else Path(entry)
-        )
+        files.append(Path(entry) if isinstance(entry, str) else values.with_stem(f"{values.stem}-{number}"))
         if isinstance(entry, Mapping):
             files[-1].write_text(json.dumps({"/**": {"ros__parameters": {**entry}}}))
     names = {"__node": given.name, "__ns": started.namespace}

@@ -42,13 +42,13 @@ def _another(value: str) -> str:
 
 def _changed(node: Mapping[str, Any], other: Mapping[str, Any]) -> Iterator[tuple[int, str]]:
     """Yield the parameters of a node that are others now, each with the number of its entry; none if more than these is."""
-    rest = [
-        [value for key, value in one.items() if key not in ("given", "by_argument")] for one in (node, other)
-    ]
-    names = [
-        [entry if isinstance(entry, str) else [*entry] for entry in one["given"]] for one in (node, other)
-    ]
-    if rest[0] == rest[1] and names[0] == names[1]:
+    if _rest(node) == _rest(other):
         for number, (entry, there) in enumerate(zip(node["given"], other["given"], strict=True)):
             if isinstance(entry, dict):
                 yield from ((number, name) for name in entry if entry[name] != there[name])
+
+
+def _rest(node: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how a node is started, with only the names of its parameters."""
+    names = [entry if isinstance(entry, str) else [*entry] for entry in node["given"]]
+    return {**node, "given": names, "by_argument": None}

@@ -78,10 +78,8 @@ def _lost(given: Sequence[_Given], last: Sequence[_Given], node: Launched) -> Fi
     """Say that values of a file or of a launch argument do not count, because those that come after them do."""
     names, values = tuple(row.name for row in given), in_a_row([repr(row.value) for row in last])
     first, source = in_a_row([f"{row.name} is {row.value!r}" for row in given]), Path(given[0].source).name
-    other, it = (
-        Path(last[0].source).name if last[0].is_of_file else "the launch file",
-        "them" if names[1:] else "it",
-    )
+    other = Path(last[0].source).name if last[0].is_of_file else "the launch file"
+    it = "them" if names[1:] else "it"
     then = f"but {other}, after it, sets {it} to {values}: the last value counts"
     cause = f"{first} in {source}, {then}."
     fix = f"give the node {source} after these values, or without those that it should set"
@@ -174,14 +172,9 @@ def _of_other_type(node: Started, giver: str) -> Iterator[Finding]:
         wanted, kind = kind_of(declared.get(name, UNKNOWN)), kind_of(value)
         if wanted and kind and wanted != kind:
             cause = f"{node.launched.executable} declares {name} with {type_in_words(wanted)}, but {giver} gives it {value}, {type_in_words(kind)}, so the node does not start."
+            place = node.launched.place_of(name)
             right = f"{value}.0" if (kind, wanted) == ("INTEGER", "DOUBLE") else type_in_words(wanted)
-            yield Finding(
-                "parameter-type",
-                cause,
-                node.launched.place_of(name),
-                f"write {right} instead of {value}",
-                (name,),
-            )
+            yield Finding("parameter-type", cause, place, f"write {right} instead of {value}", (name,))
 
 
 def _homes(packages: Packages, launch_files: Sequence[LaunchFile]) -> Mapping[str, list[_Home]]:
