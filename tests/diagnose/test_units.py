@@ -24,6 +24,9 @@ class Runner(Node):
     def __init__(self):
         super().__init__('runner')
         self.drive_time = self.declare_parameter('drive_time', 5.0).value
+        self.declare_parameter('limit', LIMIT)
+        self.declare_parameter('wait_ns', 2_000_000_000)
+        self.limit = self.get_parameter('limit').get_parameter_value().double_value
         self.start = self.get_clock().now()
         self.begin = time.time()
         self.first = time.monotonic_ns()
@@ -49,6 +52,9 @@ def told(line: str, folder: Path) -> list[Finding]:
         ("if 5 < time.time_ns() - self.first: return", "/ 1e9"),
         ("if (now - self.start).nanoseconds // 1000 > 2: return", "/ 1e6"),
         ("age = now.nanoseconds / 1e9 - msg.header.stamp.nanosec", "write msg.header.stamp.nanosec / 1e9"),
+        ("if (now - self.start).nanoseconds > self.get_parameter('drive_time').value: return", "/ 1e9 instead of"),
+        ("wait = self.get_parameter('drive_time').get_parameter_value().double_value; print((now - self.start).nanoseconds > wait)", "/ 1e9 instead of"),
+        ("if (now - self.start).nanoseconds > self.limit: return", "/ 1e9 instead of"),
         ("qos = QoSProfile(depth=5, lifespan=Duration(nanoseconds=200))", "write Duration(seconds=200)"),
         ("self.get_clock().sleep_for(Duration(nanoseconds=5))", "write Duration(seconds=5)"),
     ],
@@ -65,6 +71,10 @@ def test_a_mixture_is_told_with_the_factor(tmp_path: Path, line: str, fix: str) 
         "if (now - self.start).nanoseconds * 1e-9 < LIMIT: return",
         "if (now - self.start).nanoseconds < self.drive_time * 1e9: return",
         "if (now - self.start).nanoseconds > TIMEOUT_NS: return",
+        "if (now - self.start).nanoseconds / 1e9 > self.get_parameter('drive_time').value: return",
+        "if (now - self.start).nanoseconds > self.get_parameter('wait_ns').value: return",
+        "if (now - self.start).nanoseconds > self.get_parameter('declared elsewhere').value: return",
+        "if (now - self.start).nanoseconds > self.get_parameter('drive_time').value * 1e9: return",
         "if (now - self.start).nanoseconds > 2_000_000_000: return",
         "if (now - self.start).nanoseconds <= 0: return",
         "if now.nanoseconds / 1e6 > 200: return",

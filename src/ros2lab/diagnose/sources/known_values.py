@@ -7,7 +7,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, assigned_to, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    assigned_to,
+    last_name,
+    own_nodes,
+    walk,
+)
 from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate
 from ros2lab.diagnose.sources.syntax_parts import all_parameters, stores_in
 
@@ -29,6 +36,20 @@ def value_of(sources: NodeSources, source: PythonSource, node: ast.expr | None) 
         if text and text not in names and (home := _home(sources, source, inner)):
             names |= {text: home[0].constants[home[1]]} if home[1] in home[0].constants else {}
     return evaluate(node, names, {})
+
+
+def default_of(source: PythonSource, read: ast.expr) -> ast.expr | None:
+    """Return the default of the parameter that an expression reads, as far as its file declares it; None if it reads none."""
+    match source.written(read):
+        case ast.Call(func=ast.Attribute(attr="get_parameter_value", value=inner)):
+            return default_of(source, inner)
+        case ast.Call(func=ast.Attribute(attr="declare_parameter"), args=[_, default, *_]):
+            return default
+        case ast.Call(func=ast.Attribute(attr="get_parameter"), args=[name]):
+            calls = (c for c in source.calls if last_name(c.func) == "declare_parameter" and len(c.args) > 1)
+            given = [c.args[1] for c in calls if ast.unparse(c.args[0]) == ast.unparse(name)]
+            return given[0] if len(given) == 1 else None
+    return None
 
 
 def _home(sources: NodeSources, source: PythonSource, node: ast.AST) -> tuple[PythonSource, str] | None:

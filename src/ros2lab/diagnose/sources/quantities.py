@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from ros2lab.diagnose.sources.kinds import Kinds, Scope
+from ros2lab.diagnose.sources.known_values import default_of
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import (
     Function,
@@ -426,11 +427,8 @@ class Quantities:
         """Return the value of a literal, a variable or a parameter's default; None if it is unknown."""
         written = scope.source.written(node) if depth else None
         match written:
-            case ast.Attribute(
-                attr="value",
-                value=ast.Call(func=ast.Attribute(attr="declare_parameter"), args=[_, default, *_]),
-            ):
-                written = default
+            case ast.Attribute(attr="value" | "double_value" | "integer_value", value=read):
+                written = default_of(scope.source, read) or written
             case ast.BinOp(left=left, op=ast.Mult() | ast.Div() as op, right=right):
                 one, other = self.number(scope, left, depth - 1), self.number(scope, right, depth - 1)
                 if one is None or other is None or (other == 0 and isinstance(op, ast.Div)):
