@@ -228,6 +228,20 @@ def test_what_changes_with_what_is_given_is_told(
     assert did_given(seen, alone, given, ["/on"], is_over=False) == [said]
 
 
+def test_what_was_only_heard_is_not_placed_between_what_was_given(tmp_path: Path) -> None:
+    """Its times are those of the run, and a program notes its own by the clock of the machine."""
+    name, after = "status_publisher", numbers(*[0.0] * 5, *[3.0] * 5, *[0.0] * 5, begin=0.06)
+    heard = Heard(NUMBER, f"/{name}", [*after.times], [*after.values], after.count)
+    alone = run_of(name, "/out", NUMBER, None)
+    among = replace(alone, setting=GIVEN, given=["/on"], quiet={"/out": heard})
+    gave = [(0.5 * step, "/on", {"data": step != 1}) for step in range(4)]
+    seen = Seen(workspace(tmp_path), assignments.load(), [alone], [])
+    given = GivenRun(among, [], frozenset(), {}, gave)
+    assert did_given(seen, alone, given, ["/on"], is_over=False) == [
+        "published 15 messages on /out: data 0 or 3"
+    ]
+
+
 def with_relay_and_limit() -> Files:
     """Return a workspace in which one node sums up what another counts, and tells when it has come to a limit."""
     files = right_workspace()

@@ -21,6 +21,7 @@ AT_ONCE = 0.05  # s after which a program has taken what it was given
 LEAST = 2  # messages that are no chance
 OTHER = 1.6  # times, of a period that has changed
 MOST_VALUES = 4  # that are given, of which each is told
+_Given = Sequence[tuple[float, str, Any]]  # when what was given, each with the topic or service
 
 
 def did_given(seen: Seen, run: Run, given: GivenRun, taken: Sequence[str], *, is_over: bool) -> list[str]:
@@ -33,29 +34,30 @@ def did_given(seen: Seen, run: Run, given: GivenRun, taken: Sequence[str], *, is
         taken: the topics and services on which it was.
         is_over: whether it ended then, so that it may have published nothing for that reason.
     """
-    before, after, texts = sent_by(seen, run), _sent_then(run, given), list[str]()
+    before, noted, texts = sent_by(seen, run), given.sent.get(run.programs[0], {}), list[str]()
+    after = {**_heard_then(run, given), **noted}
     for topic in own_ends(run, given.run.publishes, run.publishes):
         if topic in HIDDEN_TOPICS or topic.endswith(OF_MANAGED):
             continue
         was, now = before.get(topic), after.get(topic)
         if now is not None and now.count:
             pace = _pace(pace_of(seen, run, topic)[0], now)
-            texts.append(_change(topic, was, now, given, taken, pace=pace))
+            when = given.when if topic in noted else ()  # what was heard is on the clock of the run
+            texts.append(_change(topic, was, now, when, taken, pace=pace))
         elif not is_over:
             texts.append(_more_nothing(seen, run, topic, was, given))
     # First what changed.
     return sorted(filter(None, texts), key=lambda text: " as before" in text or text.startswith("went on"))
 
 
-def _sent_then(run: Run, given: GivenRun) -> Mapping[str, Sent]:
-    """Return what a program published when it was given something: what it noted, or else what only its nodes publish."""
+def _heard_then(run: Run, given: GivenRun) -> Mapping[str, Sent]:
+    """Return what was heard on topics on which only the nodes of a program publish, when it was given something."""
     own, among = {*run.nodes}, given.run
-    heard = {
+    return {
         t: Sent.of_heard([found])
         for t, found in among.quiet.items()
         if own.issuperset(among.publishes.get(t, ()))
     }
-    return {**heard, **given.sent.get(run.programs[0], {})}
 
 
 def _more_nothing(seen: Seen, run: Run, topic: str, was: Sent | None, given: GivenRun) -> str:
@@ -80,7 +82,7 @@ def _pace(gap: float, now: Sent) -> str:
 
 
 def _change(
-    topic: str, was: Sent | None, now: Sent, given: GivenRun, taken: Sequence[str], *, pace: str
+    topic: str, was: Sent | None, now: Sent, given: _Given, taken: Sequence[str], *, pace: str
 ) -> str:
     """Return what is said of a topic on which something was published."""
     many, text = f"published {counted(now.count)} on {topic}", content(now.values)[0]
@@ -107,11 +109,11 @@ def _change(
     return f"{many} as before{text}{pace}"
 
 
-def _by_given(was: Sent | None, now: Sent, given: GivenRun, taken: Sequence[str]) -> list[str]:
+def _by_given(was: Sent | None, now: Sent, given: _Given, taken: Sequence[str]) -> list[str]:
     """Return what a program published after each value that it was given on a topic or service, if that depends on it."""
     before = leaves_in(was.values if was else ())
     for name in taken:
-        steps = [(when, leaves_in([value])) for when, topic, value in given.when if topic == name]
+        steps = [(when, leaves_in([value])) for when, topic, value in given if topic == name]
         if any(len(leaves) != 1 for _, leaves in steps):
             continue
         texts = [(when, spread(*next(iter(leaves.items())))) for when, leaves in steps]
@@ -122,7 +124,7 @@ def _by_given(was: Sent | None, now: Sent, given: GivenRun, taken: Sequence[str]
         if differing and not is_own and all(span.is_enough(found) for span in found):
             where = f" on {name}" if len(taken) > 1 else ""
             return [
-                f"{span.shown(differing)} after {text}{where}"
+                f"{span.told(differing)} after {text}{where}"
                 for text, span in zip(values, found, strict=True)
             ]
     return []
@@ -149,10 +151,10 @@ class _Span:
         rate = max((span.count / span.seconds for span in found if span.seconds), default=0.0)
         return self.count >= LEAST or (not self.count and self.seconds * rate > 2 * LEAST)
 
-    def shown(self, names: Sequence[str]) -> str:
+    def told(self, names: Sequence[str]) -> str:
         """Say what some fields held."""
-        shown = [spread(name, self.fields[name]) for name in names[:MOST_SHOWN] if name in self.fields]
-        return ", ".join(shown) or "nothing"
+        told = (spread(name, self.fields[name]) for name in names[:MOST_SHOWN] if name in self.fields)
+        return ", ".join(told) or "nothing"
 
 
 def _after(text: str, steps: Sequence[tuple[float, str]], now: Sent) -> _Span:

@@ -23,14 +23,12 @@ from ros2lab.trial.contents import leaves_of
 from ros2lab.trial.effects import did_given
 from ros2lab.trial.ends import explained
 from ros2lab.trial.failing import is_of_code
-from ros2lab.trial.spoken import Sent, shown, value_of
+from ros2lab.trial.spoken import MOST_SHOWN, Sent, fields_of, value_of
 from ros2lab.trial.story import may_be_called
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
     from ros2lab.trial.witnessed import Called
-
-MOST_SHOWN = 3  # texts
 
 
 @dataclass(frozen=True)
@@ -158,7 +156,7 @@ def _answered(calls: Iterable[ServiceCall], *, is_over: bool) -> Iterator[str]:
     for service, group in groupby(sorted(calls, key=lambda call: call.service), lambda call: call.service):
         made = [*group]
         texts = dict.fromkeys(
-            f"called{f' with {shown(call.request)}' if call.request else ''}, {_response_of(call, is_over=is_over)}"
+            f"called{f' with {fields_of(call.request)}' if call.request else ''}, {_response_of(call, is_over=is_over)}"
             for call in made
         )
         leaves = [leaf for call in made for _, leaf in leaves_of(call.response)]
@@ -169,7 +167,7 @@ def _answered(calls: Iterable[ServiceCall], *, is_over: bool) -> Iterator[str]:
 def _response_of(call: ServiceCall, *, is_over: bool) -> str:
     if call.response is None:
         return f"did not answer {'before the program ended' if is_over else f'within {call.seconds:.1f} s'}"
-    return f"answered {shown(call.response)}"
+    return f"answered {fields_of(call.response)}"
 
 
 def _ended(seen: Seen, given: GivenRun, name: str, own: Collection[str]) -> Iterator[str]:

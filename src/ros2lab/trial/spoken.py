@@ -6,12 +6,13 @@ import contextlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import chain, pairwise
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 from ros2lab.grading.evidence import Heard
 from ros2lab.grading.watching.quiet import STEP
+from ros2lab.rhythm import between
 from ros2lab.trial.contents import leaves_of
 from ros2lab.trial.sender import ENDING
 
@@ -59,7 +60,7 @@ def _until(end: float, count: int, messages: Sequence[Sequence[Any]]) -> Sent:
 
 def even_gap(times: Sequence[float], *, is_stepped: bool) -> float:
     """Return the mean time between messages; 0 if they were few, or came at no even times."""
-    gaps = [later - earlier for earlier, later in pairwise(times)]
+    gaps = between(times)
     if len(times) < LEAST_EVEN or min(gaps) <= 0:
         return 0.0
     mean = sum(gaps) / len(gaps)
@@ -97,7 +98,7 @@ def content(values: Sequence[Any]) -> tuple[str, bool]:
     each = "each of them " if len(values) > 1 else ""
     if not found:
         return "", False
-    return f", {each}with {shown(held)}" if held else f", {each}zero, false or empty", False
+    return f", {each}with {fields_of(held)}" if held else f", {each}zero, false or empty", False
 
 
 def counted(count: int, what: str = "message") -> str:
@@ -122,7 +123,7 @@ def spread(name: str, leaves: Sequence[Any]) -> str:
     return f"{name} {', '.join(map(value_of, leaves[:MOST_SHOWN]))}{more}"
 
 
-def shown(message: Any) -> str:
+def fields_of(message: Any) -> str:
     """Show the first fields of a message, a request or a response."""
     leaves = [f"{name} = {value_of(leaf)}" for name, leaf in leaves_of(message)]
     return ", ".join(leaves[:MOST_SHOWN]) + ", ..." * (len(leaves) > MOST_SHOWN) or "without fields"
