@@ -41,7 +41,7 @@ def with_values(finding: Finding, errors: Iterable[Error]) -> Finding:
 def failed_with(error: Error) -> str:
     """Return an exception with the values in the line that raised it."""
     values = values_told(error)
-    return f"{error.shown} ({values})" if values else error.shown
+    return f"{error.last_line} ({values})" if values else error.last_line
 
 
 def values_told(error: Error, *, is_whole: bool = True) -> str:

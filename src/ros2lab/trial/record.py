@@ -26,19 +26,22 @@ class Side:
 
     Attributes:
         way: 1 if it was a number that only rose, -1 if it only fell.
+        nans: how often it was nan.
     """
 
     last: str
     has_changed: bool
     bounds: Sequence[str]
     way: int
+    nans: int = 0
 
     def beside(self, other: Side) -> Side:
         """Return it with what another run noted of it."""
         numbers = sorted({*self.bounds, *other.bounds, *self._fixed, *other._fixed}, key=float)
         has_changed = self.has_changed or other.has_changed or self.last != other.last
         ways = {side.way for side in (self, other) if side.bounds}
-        return Side(self.last, has_changed, [numbers[0], numbers[-1]] if len(numbers) > 1 else [], sum(ways))
+        bounds = [numbers[0], numbers[-1]] if len(numbers) > 1 else []
+        return Side(self.last, has_changed, bounds, sum(ways), self.nans + other.nans)
 
     @property
     def _fixed(self) -> list[str]:
@@ -95,7 +98,7 @@ class Error:
         )
 
     @property
-    def shown(self) -> str:
+    def last_line(self) -> str:
         """Its last line in a traceback."""
         return f"{self.kind}: {self.message}" if self.message else self.kind
 
@@ -143,6 +146,7 @@ class Record:
         paths: for each callback, and each name that ended in each call of it as it had begun: the value before, and the
             line in the callback, the place and the value each time that it was set; and in how many calls.
         lists: what became of a list that got something, by the place of that.
+        texts: those that were compared with others, or looked for among them, each time with these.
         moving: the tests whose values still moved when a longer run ended; None if there was none.
     """
 
@@ -160,6 +164,7 @@ class Record:
         self.classes: set[tuple[PythonSource, int]] = set()
         self.paths = defaultdict[tuple[Spot, str], list[tuple[Steps, int]]](list)
         self.lists: dict[Spot, ListSeen] = {}
+        self.texts = set[tuple[str, tuple[str, ...]]]()
         self._changed = set[tuple[Spot, str]]()
         for file in sorted((folder / "noted").glob("*.json")):
             told = None
@@ -182,6 +187,11 @@ class Record:
         """Return what was noted of a test; None if it was never evaluated."""
         return self.tests.get(spot(source, node))
 
+    def asked_beside(self, text: str) -> set[str]:
+        """Return the texts that were looked for where a text was, or that it was compared with."""
+        asked = ((left,) if text in others else others if text == left else () for left, others in self.texts)
+        return {word for words in asked for word in words if word}
+
     def _read(self, told: Mapping[str, Any]) -> None:
         for place, (held, failed, sides, near) in self._spots(told["tests"]):
             test = Test(held, failed, held + failed, [Side(*side) for side in sides], near)
@@ -200,6 +210,7 @@ class Record:
             else:
                 self.errors[known] = replace(self.errors[known], count=self.errors[known].count + count)
         self.classes |= {*self._classes(told["classes"])}
+        self.texts |= {(text, (*others,)) for text, others in told["texts"]}
         self._read_changes(told)
 
     def _read_changes(self, told: Mapping[str, Any]) -> None:

@@ -3,7 +3,8 @@
 Programs import it in their `sitecustomize`. At exit each process writes a file: for each test, how often it was true and
 false and what was compared; for each statement, how often it came to its end, and for each function how often it was
 called, on objects of which classes; for each loop, how many iterations it had each time; which exceptions were
-caught or ended the program, with the values in the line that failed; and what `changes` notes. Nothing else changes.
+caught or ended the program, with the values in the line that failed; which short texts were compared with which others,
+or looked for among them; and what `changes` notes. Nothing else changes.
 """
 
 # Every program imports it first, so it must not import pathlib.
@@ -27,15 +28,17 @@ from typing import Any
 from . import sender
 from .changes import NAME as _CHANGES
 from .changes import Changes, Noting
-from .values import LONGEST, NUMBERS, PLAIN, Words, shown, values_in
+from .values import HOLDERS, LONGEST, NUMBERS, PLAIN, Words, shown, values_in
 
 WATCHED = "ROS2LAB_WITNESS"  # holds the folder for the notes, and the folders of the files to watch
 _TESTS, _LOOPS, _MARKS = "ros2lab_tests", "ros2lab_loops", "ros2lab_marks"
-_OBJECTS, _CAUGHT = "ros2lab_objects", "ros2lab_caught"
+_OBJECTS, _CAUGHT, _TEXTS = "ros2lab_objects", "ros2lab_caught", "ros2lab_texts"
+_FLOATS = frozenset(("float", "float64", "float32"))  # those of NumPy, too
 _LARGEST = 1e300  # what is greater may be no float, or infinite
 _EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
 _DEFINED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _LONGEST_MESSAGE, _MOST_TIMES, _MOST_ERRORS = 200, 1000, 50
+_LONGEST_TEXT, _MOST_TEXTS, _MOST_PAIRS = 30, 20, 200
 _SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     **{ast.Eq: operator.eq, ast.NotEq: operator.ne, ast.Is: operator.is_, ast.IsNot: operator.is_not},
     **{ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge},
@@ -44,17 +47,41 @@ _SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
 }
 
 
+_LOOKS = (ast.Eq, ast.NotEq, ast.In, ast.NotIn)
+_pairs: dict[tuple[str, tuple[str, ...]], None] = {}  # a text, and those that it was compared with at once
+
+
+def _meet(left: Any, right: Any) -> None:
+    """Note texts that are compared."""
+    if type(left) is str and len(left) <= _LONGEST_TEXT and len(_pairs) < _MOST_PAIRS:
+        others = (right,) if type(right) is str else right if type(right) in HOLDERS else ()
+        with contextlib.suppress(RuntimeError):  # another thread changes it
+            first = itertools.islice(others, _MOST_TEXTS)
+            _pairs[left, tuple(t for t in first if type(t) is str and len(t) <= _LONGEST_TEXT)] = None
+
+
+def _looking(sign: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    def looked(left: Any, right: Any) -> Any:
+        _meet(left, right)
+        return sign(left, right)
+
+    return looked
+
+
 class _Side:
-    """One side of a test: its last value, or words for what may change; whether it changed; the bounds of a number, and its ways."""
+    """One side of a test: its last value, or words for what may change; whether it changed; of numbers also bounds, ways, and nans."""
 
     def __init__(self) -> None:
         self.last: Any = self  # no value yet
         self.low: Any = None
         self.high: Any = None
         self.has_changed = self.has_value = self.rose = self.fell = False
+        self.nans = 0
 
     def note(self, value: Any) -> None:
         kind, last = type(value), self.last
+        if kind.__name__ in _FLOATS and value != value:  # noqa: PLR0124 -- only a NaN is not equal to itself
+            self.nans += 1
         if kind not in PLAIN:
             value = Words(shown(value))
         elif value is last:
@@ -78,7 +105,7 @@ class _Side:
         last = self.last if isinstance(self.last, Words) else shown(self.last)
         are_numbers = self.low != self.high and self.low > -_LARGEST and self.high < _LARGEST
         bounds = [shown(self.low), shown(self.high)] if are_numbers else []
-        return ["" if self.last is self else last, self.has_changed, bounds, self.rose - self.fell]
+        return ["" if self.last is self else last, self.has_changed, bounds, self.rose - self.fell, self.nans]
 
 
 class _Test:
@@ -111,6 +138,7 @@ class _Test:
         return value
 
     def compared(self, left: Any, right: Any) -> Any:
+        _meet(left, right)
         result = self.sign(left, right)  # type: ignore[misc]
         self.sides[0].note(left)
         self.sides[1].note(right)
@@ -163,6 +191,13 @@ class _Noting(ast.NodeTransformer):
         self.generic_visit(node)
         if isinstance(node, (ast.If, ast.While, ast.IfExp, ast.Assert)):
             node.test = self._condition(node.test)
+        elif isinstance(node, ast.Compare) and len(node.ops) == 1 and isinstance(node.ops[0], _LOOKS):
+            looked = ast.Subscript(
+                ast.Name(_TEXTS, ast.Load()), ast.Constant(type(node.ops[0]).__name__), ast.Load()
+            )
+            call = ast.copy_location(ast.Call(looked, [node.left, *node.comparators], []), node)
+            call.compare = node  # type: ignore[attr-defined]
+            return call
         elif isinstance(node, ast.comprehension):
             node.ifs = [*map(self._condition, node.ifs)]
         elif isinstance(node, (ast.For, ast.AsyncFor)):
@@ -190,6 +225,7 @@ class _Noting(ast.NodeTransformer):
         return [mark, node] if isinstance(node, _EXITS) else [node, mark, *after]
 
     def _condition(self, test: ast.expr) -> ast.expr:
+        test = getattr(test, "compare", test)
         match test:
             case ast.Constant():
                 return test
@@ -329,8 +365,11 @@ def begin() -> None:
         marks.update(noting.marks)
         paths[noting.path] = None
 
-    holders = (tests, loops, marks, note_object, errors.caught, changes.notes)
-    for name, holder in zip((_TESTS, _LOOPS, _MARKS, _OBJECTS, _CAUGHT, _CHANGES), holders, strict=True):
+    texts = {kind.__name__: _looking(_SIGNS[kind]) for kind in _LOOKS}
+    holders = (tests, loops, marks, note_object, errors.caught, changes.notes, texts)
+    for name, holder in zip(
+        (_TESTS, _LOOPS, _MARKS, _OBJECTS, _CAUGHT, _CHANGES, _TEXTS), holders, strict=True
+    ):
         setattr(builtins, name, holder)
 
     def write() -> None:
@@ -346,6 +385,7 @@ def begin() -> None:
                 "marks": {key: count for key, mark in marks.items() if (count := mark())},
                 "errors": [*errors.found.values()],
                 "classes": [(_file_of(kind), kind.__qualname__) for kind in kinds.values()],
+                "texts": [*_pairs],
                 "loops": {key: loop.turns for key, loop in loops.items() if loop.turns},
                 "paths": [],
                 "lists": [],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
@@ -30,7 +30,7 @@ def shown_values(error: ErrorText, look: Look) -> Iterator[Finding]:
                 if function is None or not isinstance(node, ast.Call) or not is_log(node):
                     continue
                 if any(_shows(node, line) for line in lines):
-                    yield from _made_of(source, function, node)
+                    yield from made_of_many(source, _behind(function, node))
 
 
 def _shows(call: ast.Call, line: str) -> bool:
@@ -39,20 +39,25 @@ def _shows(call: ast.Call, line: str) -> bool:
     return re.search(r"\w", pattern) is not None and re.search(pattern, line) is not None
 
 
-def _made_of(source: PythonSource, function: Function, call: ast.Call) -> Iterator[Finding]:
-    """Yield the calls that compute a value that is shown from many values."""
+def _behind(function: Function, call: ast.Call) -> list[ast.expr]:
+    """Return what a call is given, with what a function assigns to the names in that."""
     names = {n.id for argument in call.args for n in walk(argument) if isinstance(n, ast.Name)}
     own = [node for node in own_nodes(function) if isinstance(node, ast.Assign)]
     values = [
         node.value for node in own if any(getattr(target, "id", "") in names for target in node.targets)
     ]
-    made = [inner for value in (*call.args, *values) for inner in walk(value)]
-    for node in made:
+    return [*call.args, *values]
+
+
+def made_of_many(source: PythonSource, expressions: Iterable[ast.expr]) -> Iterator[Finding]:
+    """Yield the calls in some expressions that come out as nan because they compute it from many values."""
+    for node in (inner for expression in expressions for inner in walk(expression)):
         match node:
             case ast.Call(func=how, args=[many]) if ast.unparse(how).rpartition(".")[2] in _OF_MANY:
                 text, name = ast.unparse(many), ast.unparse(how)
                 if "isnan" in text or "isfinite" in text:
                     continue
                 cause = f"`{ast.unparse(node)}` comes out as nan: one of the values in {text} is nan, and every comparison with nan is false."
-                fix = f"write {name}([v for v in {text} if math.isfinite(v)]), and `import math` at the top of the file; decide what to do when none is left"
+                empty = {"min": ", default=math.inf", "max": ", default=-math.inf"}.get(name, "")
+                fix = f"write {name}([v for v in {text} if math.isfinite(v)]{empty}), and `import math` at the top of the file{'' if empty else '; decide what to do when none is left'}"
                 yield Finding("value-nan", cause, source.at(node), fix)
