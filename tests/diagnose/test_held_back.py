@@ -50,6 +50,18 @@ class Robot:
         self.count += 3
         BODY
 
+    def keep(self):
+        self.kept = self.count
+
+    def count_subscribers(self, topic):
+        return 1 - self.get_subscription_count()
+
+    def get_subscription_count(self):
+        return 0
+
+    def get_logger(self):
+        return self
+
 
 def main():
     robot = Robot()
@@ -106,6 +118,11 @@ SEND = "self.publish(self.count)"
         (f"self.state = 'idle'\nif self.state == 'busy': {SEND}\nself.state = 'busy'", ["self.state was 'idle' each time", "line 23 set it to 'idle' 5 times"], 0),
         (f"if not self.ready and self.count % 7 < 90: pass\nelif not self.ready:\n    self.ready = True\n    {SEND}", ["`self.count % 7 < 90` was always true in 5 checks (self.count % 7 was between 1 and 6)"], 0),
         (f"if self.state == 'idle':\n    pass\nelse:\n    {SEND}\n    self.state = 'done'", ["`self.state == 'idle'` was always true in 5 checks (self.state was 'idle' each time)"], 0),
+        (f"if self.count > 3: pass\nelif self.ready: {SEND}", ["`self.count > 3` on line 23 was true 4 of 5 times, and where line 24 was reached, self.ready was False in the only check"], 0),
+        (f"if self.count > 3: return\nif not self.ready: return\n{SEND}", ["`return` on line 23 came first 4 of 5 times, and where line 24 was reached, `return` on line 24 came first each time"], 0),
+        (f"for one in self.items:\n    if one > 1: continue\n    if self.ready: {SEND}", ["`continue` on line 24 came first 10 of 15 times, and where line 25 was reached"], 1),
+        (f"if self.count < 4:\n    self.ready = False\n    if self.ready: {SEND}", ["`self.count < 4` on line 23 was not true 4 of 5 times"], 0),
+        (f"if self.count < 4: return\nif self.ready: {SEND}", [": self.ready was False in 4 checks"], None),
     ],
 )  # fmt: skip
 def test_the_reason_is_followed(tmp_path: Path, body: str, words: list[str], line: int | None) -> None:
@@ -128,11 +145,61 @@ def test_the_reason_is_followed(tmp_path: Path, body: str, words: list[str], lin
         f"if 20 - self.count < 0: {SEND}",
         f"if self.count < 90: return\n{SEND}",
         f"try:\n    raise KeyboardInterrupt\n    {SEND}\nexcept KeyboardInterrupt: pass",
+        # Trouble that did not come:
+        f"if self.ready:\n    self.get_logger().warning('full')\n    return\n{SEND}",
+        f"if self.ready:\n    print('full')\n    return\n{SEND}",
+        f"if self.count:\n    {SEND}\nelse:\n    self.get_logger().error('no count')",
+        # What watches is counted, too:
+        f"if self.get_subscription_count(): {SEND}",
+        f"readers = self.count_subscribers('out')\nif readers == 0 or self.ready: {SEND}",
     ],
 )
 def test_what_is_reached_is_not_told(tmp_path: Path, body: str) -> None:
     found, notes = told(body, tmp_path)
     assert (found, [note for note in notes if note.code == "never-passed"]) == ([], [])
+
+
+@pytest.mark.parametrize(
+    ("line", "is_told"),
+    [
+        ("self.ready = self.count > 90", False),  # that is what is found, and decides
+        ("ready = self.ready", True),
+        ("if self.count > 90: self.on_ready(); self.ready = True", False),
+    ],
+)
+def test_what_only_follows_from_a_fault_is_not_told_beside_it(
+    tmp_path: Path, line: str, *, is_told: bool
+) -> None:
+    what = noted(f"{line}\nif self.ready: {SEND}", tmp_path)
+    seen = Seen(what.unreached.look, assignments.load(), [], [])
+    (source,) = (source for source in what.unreached.look.files if "class Robot" in source.text)
+    fault = Finding("no-effect", "It has no effect.", source.at(FIRST), "change it")
+    _, notes, _ = with_reasons([fault], [], what, seen)
+    assert [SEND in note.cause for note in notes if note.code == "never-passed"] == [True] * is_told
+
+
+KEPT = "if self.count TEST: self.kept = 0\nself.sum = self.kept"
+
+
+@pytest.mark.parametrize(
+    ("body", "is_told"),
+    [
+        (KEPT.replace("TEST", "% 7 < 20"), True),
+        (KEPT.replace("TEST", "> 3"), False),  # not always
+        (KEPT.replace("TEST", "< 90"), False),  # it goes there
+        (f"self.last = self.kept\n{KEPT.replace('TEST', '% 7 < 20')}", False),  # it was used before
+        ("if self.kept or self.count % 7 < 20: self.kept = 0", False),
+        ("if self.count % 7 < 20:\n    self.last = self.kept\n    self.kept = 0\nprint(self.kept)", False),
+        ("if self.count % 7 < 20: self.kept = 0", False),  # nothing else reads it
+    ],
+)
+def test_what_is_always_set_anew_before_it_is_used_is_told(
+    tmp_path: Path, body: str, *, is_told: bool
+) -> None:
+    _, notes = told(f"self.keep()\n{body}", tmp_path)
+    lost = [note.cause for note in notes if "sets self.kept anew each time" in note.cause]
+    assert len(lost) == is_told, notes
+    assert all("(self.count % 7 was between 1 and 6)" in cause for cause in lost)
 
 
 @pytest.mark.parametrize(

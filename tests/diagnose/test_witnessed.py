@@ -30,6 +30,9 @@ class Dancer:
     def tick(self, number, step):
         BODY
 
+    def nearest(self, found):
+        return min(found)
+
 
 def main():
     dancer = Dancer()
@@ -114,6 +117,81 @@ def test_a_condition_of_which_nothing_changed_may_wait_for_what_did_not_come(
     noted(body, tmp_path)
     found = witnessed(tmp_path / "notes", Look(tmp_path / "ws"))
     assert (len(found.never), len(found.steady), found.wrong) == (has_changed, not has_changed, [])
+
+
+NAN = "nan, ranges = float('nan'), [float('nan'), 2.0, 0.3]\n"
+
+
+@pytest.mark.parametrize(
+    ("body", "fix"),
+    [
+        ("near = min(ranges)\nif near < 0.5: self.turns.append(1)", "write min([v for v in ranges if math.isfinite(v)], default=math.inf)"),
+        ("self.far = max(ranges)\nif 1.0 < self.far < 9.0: self.turns.append(1)", "max([v for v in ranges if math.isfinite(v)], default=-math.inf)"),
+        ("if sum(ranges) / 3 > 0.5 or number > 9: self.turns.append(1)", "sum([v for v in ranges"),
+        ("near = self.nearest(ranges)\nwhile near < 0.5: near += 1", "min([v for v in found"),
+        ("import statistics\nmiddle = statistics.fmean(ranges)\nself.turns += [1 if middle >= 1 else 2]", "statistics.fmean([v for"),
+    ],
+)  # fmt: skip
+def test_what_makes_nan_of_many_values_is_wrong_if_it_is_compared(
+    tmp_path: Path, body: str, fix: str
+) -> None:
+    alone, noting, wrong, _ = noted(f"{NAN}{body}", tmp_path)
+    assert noting == alone
+    (found,) = wrong
+    assert (found.code, fix in found.fix) == ("value-nan", True)
+    assert "was nan in 5 of 5 checks" in found.cause
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "self.turns += [r for r in ranges if r > 0.5]",  # left out by this
+        "for r in ranges:\n    if r < 0.5: self.turns.append(r)",
+        "near = min(ranges)\nif near == near and near < 0.5: self.turns.append(1)",
+        "near = min(ranges)\nif not near > 0.5: self.turns.append(1)",
+        "near = min(r for r in ranges if r > 0)\nif near < 0.5: self.turns.append(near)",
+        "self.last = nan\nif self.last > 0.5: self.turns.append(1)",  # nothing yet
+        "far = max(ranges[1:])\nif far > 0.5: self.turns.append(far)",
+    ],
+)
+def test_a_value_that_may_be_nan_is_not_wrong(tmp_path: Path, body: str) -> None:
+    alone, noting, wrong, _ = noted(f"{NAN}{body}", tmp_path)
+    assert noting == alone
+    assert wrong == []
+
+
+@pytest.mark.parametrize(
+    ("body", "asked"),
+    [
+        ("found = 'hop' in {step.strip()}", {"hop"}),
+        ("self.turns += [step.strip() == word for word in ('go', 'left')]", {"go"}),
+        ("step.strip() in self.steps", {"fly", "run"}),
+        ("word = 'wait' if number else 'rest'\nif number > 9 or word == step.strip(): pass", {"wait", "rest"}),
+        ("step.strip() is 'no' or number == 4", set()),
+    ],
+)  # fmt: skip
+def test_what_is_looked_for_where_a_text_is_is_known(tmp_path: Path, body: str, asked: set[str]) -> None:
+    alone, noting, *_ = noted(body, tmp_path, "{'fly': 1, 'run': 2}")
+    assert noting == alone
+    record = witnessed(tmp_path / "notes", Look(tmp_path / "ws")).unreached.record
+    assert record.asked_beside("left") - {"left", "jump", "Stop"} == asked
+
+
+@pytest.mark.parametrize(
+    ("body", "is_told"),
+    [
+        ("if number % 3 > 9: return\nself.turns.append(1)", False),
+        ("if number % 3 > 9:\n    print('too many')\n    return", False),
+        ("if number % 3 > 9 and self.turns: raise RuntimeError", False),
+        ("if number % 3 > 9: print('many')", True),
+        ("if not number % 3 > 9: return", True),
+        ("if number % 3 > 9: return\nelse: self.turns.append(1)", True),
+        ("self.at = number % 3\nif self.at > 9: return\nself.turns.append(1)", True),  # a state of its own
+    ],
+)
+def test_a_guard_against_what_did_not_come_is_not_told(tmp_path: Path, body: str, *, is_told: bool) -> None:
+    *_, never = noted(body, tmp_path)
+    assert [one.code for one in never] == ["never-equal"] * is_told
 
 
 def test_the_checks_of_two_runs_do_not_follow_each_other(tmp_path: Path) -> None:

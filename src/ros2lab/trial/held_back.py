@@ -11,18 +11,20 @@ from ros2lab.diagnose.finding import Finding, keeps_from_working
 from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.sources.node_source import LOG_METHODS, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
+from ros2lab.trial.clauses import LEAST, on_one_line, times
 from ros2lab.trial.failing import failed_with, is_of_code
+from ros2lab.trial.following import overwritten, read_at, set_by
+from ros2lab.trial.guards import only_warns
 from ros2lab.trial.record import Error
-from ros2lab.trial.unreached import Reason, Unreached, shown, statement_of, times
+from ros2lab.trial.unreached import Reason, Unreached, block_of, statement_of
+from ros2lab.trial.words import untaken
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
     from ros2lab.trial.witnessed import Witnessed
 
-LEAST = (
-    3  # calls of a function, after which it is told what in it was not reached; or errors that were caught
-)
 MOST = 3  # statements of which that is told
+_SAYS = 3  # the rank of what only says something
 _RARE = frozenset(
     ("debug", "error", "fatal", "critical")
 )  # that nothing is logged with these is as it should be
@@ -41,21 +43,27 @@ def with_reasons(
     unreached, runs = noted.unreached, (*seen.alone, *seen.together)
     if any(how.get("killed") for run in runs for how in run.stopped.values()):
         return [*found, *(noted.never if found else ())], [], [*read]  # it could not write its notes
-    causes = {finding.place for finding in read if keeps_from_working(finding)}
+    working = [finding for finding in read if keeps_from_working(finding)]
+    causes = {finding.place for finding in working}
     speaking = {run.programs[0] for run in seen.alone if seen.heard(run)}
-    told, places = _of_silent(found, unreached, causes, speaking)
+    told, places = _of_silent(found, unreached, causes, speaking, untaken(seen, unreached.record))
     known = places | {finding.place for finding in read}
-    reasons = _notes(unreached)
-    others = [(text, reason) for text, reason in reasons if reason.places.isdisjoint(known)][:MOST]
+    reasons, explained = _notes(unreached), set_by([*working, *told], unreached.look)
+
+    def is_new(*at: str) -> bool:
+        return known.isdisjoint(at) and explained.isdisjoint(read_at(at, unreached.look))
+
+    others = [(text, reason) for text, reason in reasons if is_new(*reason.places)][:MOST]
     notes = [Finding("never-passed", f"{text}.", reason.place) for text, reason in others]
     known = known.union(*(reason.places for _, reason in others))
-    never, steady = ([one for one in ones if one.place not in known] for ones in (noted.never, noted.steady))
+    never, steady = ([one for one in ones if is_new(one.place)] for ones in (noted.never, noted.steady))
+    steady += [note for note in overwritten(unreached.record) if is_new(note.place)]
     read = [_completed(finding, [reason for _, reason in reasons], unreached) for finding in read]
     return [*told, *(never if told else ())], [*notes, *steady, *(never if not told else ())], read
 
 
 def _of_silent(
-    found: Sequence[Finding], unreached: Unreached, causes: Set[str], speaking: Set[str]
+    found: Sequence[Finding], unreached: Unreached, causes: Set[str], speaking: Set[str], deaf: Set[str]
 ) -> tuple[list[Finding], set[str]]:
     """Return findings with the reasons of silent publishers, and the places that these reasons tell of.
 
@@ -64,6 +72,7 @@ def _of_silent(
         unreached: what was not reached.
         causes: places whose fault is told already.
         speaking: the programs that published something.
+        deaf: those of which it is not known whether they take what they were sent.
     """
     told, places = list[Finding](), set[str]()
     for finding in found:
@@ -74,6 +83,7 @@ def _of_silent(
             causes.isdisjoint(reason.places)
             and not (unreached.record.moving is not None and reason.is_coming)
             and not (reason.is_open and {*finding.about} <= speaking)
+            and (reason.is_certain or deaf.isdisjoint(finding.about))
         ):
             cause = f"{finding.cause.rstrip('.')}: {reason.text}."
             told.append(replace(finding, cause=cause, place=reason.place, fix=reason.fix or finding.fix))
@@ -110,7 +120,7 @@ def swallowed(unreached: Unreached) -> Iterator[tuple[Finding, str]]:
             continue
         source = error.lines[0][0]
         if not unreached.record.count(source, failing):
-            cause = f"`{shown(failing)}` failed {error.count} times and never came to its end, which the `except` on line {handler.lineno} hides: {failed_with(error)}."
+            cause = f"`{on_one_line(failing)}` failed {error.count} times and never came to its end, which the `except` on line {handler.lineno} hides: {failed_with(error)}."
             fix = "correct the line that fails, and let the `except` name only the errors that you expect"
             yield Finding("errors-hidden", cause, error.place, fix), source.at(handler)
 
@@ -139,7 +149,7 @@ def _of_publisher(finding: Finding, unreached: Unreached) -> Reason | None:
             for statement in statements:
                 if reason := unreached.why(source, statement):
                     return reason.after(
-                        f"`{shown(statement)}` on line {statement.lineno} was never carried out, because "
+                        f"`{on_one_line(statement)}` on line {statement.lineno} was never carried out, because "
                     )
     return None
 
@@ -157,8 +167,12 @@ def _notes(unreached: Unreached) -> list[tuple[str, Reason]]:
                 or unreached.record.count(source, statement)
             ):
                 continue
+            if rank == _SAYS and only_warns(block_of(source, statement)):
+                continue
             if (reason := unreached.why(source, statement)) and not reason.is_coming:
-                text = f"In {calls} calls of {function.name}(), `{shown(statement)}` was never carried out"
+                text = (
+                    f"In {calls} calls of {function.name}(), `{on_one_line(statement)}` was never carried out"
+                )
                 known = found.setdefault(reason.place, (rank, text, reason))
                 found[reason.place] = (rank, text, reason) if rank < known[0] else known
     ordered = sorted(found.values(), key=lambda row: row[0])
@@ -180,7 +194,7 @@ def _rank(source: PythonSource, node: ast.AST) -> int | None:
     is_log = "get_logger" in called and called & (LOG_METHODS - _RARE)
     done = getattr(node.value, "func", None) if isinstance(node, ast.Expr) else None
     is_own = is_self_attribute(done) or getattr(done, "id", "") == "print"
-    return 3 if is_log or is_own else None
+    return _SAYS if is_log or is_own else None
 
 
 def _is_read(source: PythonSource, name: str) -> bool:

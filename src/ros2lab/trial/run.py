@@ -19,13 +19,11 @@ from ros2lab import assignments, environment
 from ros2lab.assignments import Assignment
 from ros2lab.diagnose.finding import Finding, ranked
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.topic_faults import ends_of, word_sources
+from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.domain_lease import leased
-from ros2lab.grading.code.compared import compared
-from ros2lab.grading.code.contents import Contents
-from ros2lab.grading.code.running import running
+from ros2lab.grading.code.contents import MOST_WORDS, Contents
 from ros2lab.grading.evidence import GIVEN, Run
 from ros2lab.grading.sandbox.box import Box, Limits
 from ros2lab.grading.sandbox.open_world import OpenWorld
@@ -46,13 +44,13 @@ from ros2lab.trial.starts import programs_of
 from ros2lab.trial.story import told_of, untried
 from ros2lab.trial.unmade import unmade_faults
 from ros2lab.trial.witnessed import Witnessed, environ_in, is_contradicted, witnessed
+from ros2lab.trial.words import own_words
 from ros2lab.workspace import Workspace
 
 _TRACEBACK = "Traceback (most recent call last)"
 _CHAINED = re.compile(r"exception(?: occurred)?:\s*\Z")  # the traceback after it belongs to the one before
 _BRIEF = {"is_brief": True}
 _LONGER = {**_BRIEF, "has_commands": False, "longer": 30.0}  # s of the stepped clock
-MOST_WORDS = 6  # of those that the code compares with, which are sent
 
 
 @dataclass(frozen=True)
@@ -129,7 +127,7 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
     What was noted is of all runs, but the calls, and the conditions that were never true, are of those without anything
     made up: a condition may be about what never comes.
     """
-    assignment = _assignment_for(look)
+    assignment = _assignment_for(look, own_words(look))
     with (
         scratch_folder() as notes,
         scratch_folder() as more_notes,
@@ -147,6 +145,14 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
             runs = observer.watch(jobs)
             sent = [job.sent(more_notes if job.setting == GIVEN else notes) for job in jobs]
             noted = witnessed(notes, look)
+            for place in _asked_again(runs[: len(programs)], sent, noted):
+                # With the words that it asked for, which the text of its code does not show.
+                jobs[place] = _OwnJob(leases, [noting[place]])
+                further = _assignment_for(look, sorted(_unsent(runs[place], noted)))
+                with Observer(world, further) as other:
+                    runs[place : place + 1] = other.watch([jobs[place]])
+                sent[place] = jobs[place].sent(notes)
+                noted = witnessed(notes, look)
             moving = None
             last = len(runs) - 1 - bool(contents)  # of all programs
             if _is_steppable(runs[last]) and may_move(noted.unreached.record):
@@ -179,6 +185,22 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
     return seen, noted, GivenRun(runs[-1], fatal, ever.called, sent[-1], when)
 
 
+def _asked_again(runs: Sequence[Run], sent: Sequence[Mapping[str, Any]], noted: Witnessed) -> list[int]:
+    """Return which programs published nothing on a topic, and compared what they were sent with other words."""
+    return [
+        place
+        for place, run in enumerate(runs)
+        if run.commands
+        and _unsent(run, noted)
+        and not {*run.publishes} <= {*sent[place].get(run.programs[0], ())}
+    ]
+
+
+def _unsent(run: Run, noted: Witnessed) -> set[str]:
+    """Return the words that something asked for where it was given one that means nothing, and that were not sent."""
+    return noted.unreached.record.asked_beside(UNKNOWN_WORD) - {command.text for command in run.commands}
+
+
 def _is_steppable(run: Run) -> bool:
     """Return whether the clock of a run can be stepped further: programs follow it, as far as that was seen."""
     is_open = any(TOO_LITTLE in note for note in run.notes)
@@ -207,17 +229,14 @@ def _why_none(look: Look) -> str:
     return "No package in this workspace has installed a program; build the workspace, then run this again."
 
 
-def _assignment_for(look: Look) -> Assignment:
-    """Return the course's assignment, with the workspace's own command topic and words."""
+def _assignment_for(look: Look, words: Sequence[str]) -> Assignment:
+    """Return the course's assignment, with the workspace's own command topic, and its words or else those of the course."""
     course = assignments.load()
     commanded = course.commanded
     if commanded is None:
         return course
-    topics, words = _listened_to(look), dict[str, None]()
-    for package in look.packages:
-        words |= dict.fromkeys(compared(node for _, node in running(word_sources(look.sources(package)))))
+    topics, own = _listened_to(look), words[:MOST_WORDS]
     topic = commanded.topic if commanded.topic in topics or not topics else next(iter(topics))
-    own = [word for word in words if word and not word.startswith("__")][:MOST_WORDS]
     # An unknown word comes before each word, for comparison. The words are sent forward and backward, because
     # a word changes nothing in the state that it leads to.
     sent = dict.fromkeys([*own, *(commanded.commands if topic == commanded.topic else ())]) or dict.fromkeys(

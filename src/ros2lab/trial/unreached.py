@@ -7,25 +7,33 @@ attribute was never set, because the statement that sets it was not reached.
 from __future__ import annotations
 
 import ast
-import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
-from ros2lab.diagnose.finding import in_a_row, these_lines
+from ros2lab.diagnose.finding import these_lines
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.sources.node_source import is_self_attribute
-from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes, walk
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes, walk
+from ros2lab.trial.clauses import (
+    ORDERS,
+    checks_in_words,
+    is_coming,
+    is_plain,
+    of_side,
+    on_one_line,
+    times,
+    truth,
+    values_of,
+)
 from ros2lab.trial.failing import failed_with
-from ros2lab.trial.record import Error, Record, Side, Spot, Test, spot
+from ros2lab.trial.guards import asks_who_is_there
+from ros2lab.trial.record import Error, Record, Test, spot
 from ros2lab.trial.witness import is_marked
 
-LEAST = 3  # evaluations of a test that say something
 STEPS = 3  # from a statement to a value, from there to what sets it, and so on
-LONGEST = 70  # characters of a statement
 _EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
-_ORDERS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
 _ENDS = frozenset(("KeyboardInterrupt", "ExternalShutdownException", "SystemExit", "GeneratorExit"))
 _LOOPS = (ast.For, ast.AsyncFor, ast.While)
 _Store = tuple[PythonSource, ast.stmt]
@@ -41,6 +49,7 @@ class Reason:
         fix: what to do there; empty if that is not known.
         is_open: whether it may only not have come so far: a number has not passed a limit.
         is_coming: whether that number only went towards the limit, or still moved when the runs ended.
+        is_certain: whether it holds whatever comes: it is in the code, or something failed.
         is_circle: whether it only comes to what it is to explain, or to what is told already.
         on_the_way: the other lines that it tells of.
     """
@@ -51,6 +60,7 @@ class Reason:
     is_open: bool = False
     is_coming: bool = False
     is_circle: bool = False
+    is_certain: bool = False
     on_the_way: tuple[str, ...] = ()
 
     @property
@@ -92,7 +102,8 @@ class Unreached:
         for place, inner in enumerate(filter(is_marked, block)):
             if not self.record.count(source, inner):
                 if place or self._entries(source, owner, block):
-                    return self._stuck(source, inner, steps)
+                    stuck = self._stuck(source, inner, steps)
+                    return stuck and self._after_most(source, inner, stuck)
                 return self._unentered(source, owner, block, steps)
             if inner is statement or isinstance(inner, _EXITS):
                 break
@@ -124,7 +135,7 @@ class Unreached:
 
     def _left(self, source: PythonSource, left: ast.stmt, stuck: ast.stmt, steps: int) -> Reason:
         """Return why an exit inside a statement comes before what follows the statement."""
-        text = f"`{shown(left)}` on line {left.lineno} came first each time"
+        text = f"`{on_one_line(left)}` on line {left.lineno} came first each time"
         inner: ast.AST = left
         while inner is not stuck and (around := source.above(inner)) is not None:
             if isinstance(around, ast.If):
@@ -149,14 +160,40 @@ class Unreached:
             case ast.ExceptHandler():
                 found = any(e.handler and e.handler[:2] == (source, owner.lineno) for e in self.record.errors)
             case ast.stmt():
-                around, siblings = _around(source, owner)
-                marked = [*filter(is_marked, siblings[: siblings.index(owner)])] if siblings else []
-                before = marked[-1] if marked else None
-                if before is not None:
-                    found = 0 if isinstance(before, _EXITS) else self.record.count(source, before)
-                elif around is not None:
-                    found = self._entries(source, around, siblings)
+                found = self._arrivals(source, owner)
         return found
+
+    def _arrivals(self, source: PythonSource, statement: ast.stmt) -> int:
+        """Return how often a statement was begun, at least once or never."""
+        around, siblings = _around(source, statement)
+        marked = [*filter(is_marked, siblings[: siblings.index(statement)])] if siblings else []
+        if marked:
+            return 0 if isinstance(marked[-1], _EXITS) else self.record.count(source, marked[-1])
+        return self._entries(source, around, siblings) if around is not None else 0
+
+    def _after_most(self, source: PythonSource, gate: ast.stmt, reason: Reason) -> Reason:
+        """Return why nothing came past a statement, with what kept most turns of its function or loop from reaching it."""
+        turned, inner = list[tuple[int, str, ast.AST]](), gate
+        while True:
+            owner, block = _around(source, inner)
+            before = block[: block.index(inner)] if block else ()
+            for stuck, exited in ((earlier, node) for earlier in before for node in own_nodes(earlier)):
+                if isinstance(exited, _EXITS) and _leaves(source, exited, stuck):
+                    text = f"`{on_one_line(exited)}` on line {exited.lineno} came first"
+                    turned.append((self.record.count(source, exited), text, exited))
+            if not isinstance(owner, (ast.If, ast.Try, ast.With)):
+                break
+            if isinstance(owner, ast.If):
+                is_then = block is owner.body
+                text = f"`{ast.unparse(owner.test)}` on line {owner.lineno} was {'not ' * is_then}true"
+                turned.append((self._outcomes(source, owner.test)[is_then], text, owner))
+            inner = owner
+        turns, reached = self._entries(source, owner, block), self._arrivals(source, gate)
+        count, text, at = max(turned, key=lambda row: row[0], default=(0, "", gate))
+        if not reached < count < turns:
+            return reason
+        text = f"{text} {count} of {turns} times, and where line {gate.lineno} was reached, "
+        return replace(reason.after(text, reason.place), place=source.at(at), fix="")
 
     def _unentered(
         self, source: PythonSource, owner: ast.AST | None, block: Sequence[ast.stmt], steps: int
@@ -167,11 +204,12 @@ class Unreached:
             case ast.FunctionDef() | ast.AsyncFunctionDef():
                 found = self._uncalled(source, owner, steps)
             case ast.If() | ast.While() if any(self._outcomes(source, owner.test)):
-                found, around = (
+                alone, around = (
                     self._constant(source, owner.test, block is owner.body, steps),
                     source.above(owner),
                 )
-                if found and isinstance(around, ast.If) and around.orelse == [owner]:
+                found = alone and self._after_most(source, owner, alone)
+                if found and found is alone and isinstance(around, ast.If) and around.orelse == [owner]:
                     found = found.only_if(around.test, "not true")
             case ast.For() if "stdin" in ast.unparse(owner.iter):
                 found = None  # nobody types anything here
@@ -191,7 +229,7 @@ class Unreached:
             return self._why(source, match, steps)
         if case.guard and any(self._outcomes(source, case.guard)):
             return self._constant(source, case.guard, True, steps)
-        value = _of_side(ast.unparse(match.subject), seen.sides[0])
+        value = of_side(ast.unparse(match.subject), seen.sides[0])
         return Reason(f"`case {ast.unparse(case.pattern)}` was never taken ({value})", source.at(line))
 
     def _outcomes(self, source: PythonSource, test: ast.expr) -> tuple[int, int]:
@@ -205,7 +243,7 @@ class Unreached:
     def _constant(self, source: PythonSource, test: ast.expr, wanted: bool, steps: int) -> Reason | None:
         """Return why a test was never true, or never false, as is `wanted`; None if it was, or was not evaluated."""
         outcomes = self._outcomes(source, test)
-        if outcomes[not wanted] or not any(outcomes):
+        if outcomes[not wanted] or not any(outcomes) or asks_who_is_there(source, test):
             return None
         match test:
             case ast.UnaryOp(op=ast.Not(), operand=inner):
@@ -219,7 +257,7 @@ class Unreached:
                     if needs_all and not reason.is_circle:
                         return reason.only_if(values[place - 1], str(wanted).lower()) if place else reason
                     parts.append(reason)
-                text = f"`{ast.unparse(test)}` was {_truth(wanted)} in {_checks(sum(outcomes))}"
+                text = f"`{ast.unparse(test)}` was {truth(wanted)} in {checks_in_words(sum(outcomes))}"
                 if len(parts) == (1 if needs_all else len(values)):
                     told = [part for part in parts if not part.is_circle] or parts[:1]
                     text = " and ".join(part.text for part in told)
@@ -234,18 +272,19 @@ class Unreached:
         """Return why a test without parts never had a truth: what was compared, and why that did not change."""
         parts = [test.left, *test.comparators] if isinstance(test, ast.Compare) else [test]
         pairs = [*zip(map(ast.unparse, parts), parts, found.sides, strict=True)]
-        values = in_a_row([_of_side(text, side) for text, _, side in pairs if side.last not in ("", text)])
-        text = f"`{ast.unparse(test)}` was {_truth(wanted)} in {_checks(found.checks)}"
+        values = values_of(test, found)
+        checks = checks_in_words(found.held + found.failed)
+        text = f"`{ast.unparse(test)}` was {truth(wanted)} in {checks}"
         text = f"{text} ({values})" if values else text
         if len(parts) == 1 and not found.sides[0].has_changed:
-            text = f"{pairs[0][0]} was {found.sides[0].last} in {_checks(found.checks)}"
+            text = f"{pairs[0][0]} was {found.sides[0].last} in {checks}"
         fix = f"see whether `{ast.unparse(test)}` can be {str(wanted).lower()} at all, and what should change it"
-        is_order = isinstance(test, ast.Compare) and isinstance(test.ops[0], _ORDERS)
+        is_order = isinstance(test, ast.Compare) and isinstance(test.ops[0], ORDERS)
         is_open = is_order and any(side.bounds for side in found.sides)
         is_known, has_changed = test in self._explained, any(side.has_changed for side in found.sides)
         self._explained.append(test)
         for _, part, side in pairs if not has_changed and not is_known else ():
-            if not is_self_attribute(part) or not _is_plain(side.last):
+            if not is_self_attribute(part) or not is_plain(side.last):
                 continue
             if further := self._unset(source, part, side.last, steps - 1):
                 if further.is_circle:
@@ -257,7 +296,7 @@ class Unreached:
     def _unset(self, source: PythonSource, attribute: Any, value: str, steps: int) -> Reason | None:
         """Return why an attribute of self kept a value: where it would have been set to another one, and why it was not."""
         same, others = (
-            self._stores(attribute.attr, value) if steps > 0 and not self._sets_by_name else ([], [])
+            self._stores(source, attribute, value) if steps > 0 and not self._sets_by_name else ([], [])
         )
         name, reached = ast.unparse(attribute), any(self.record.count(*store) for store in others)
         if any(node in self._explained for _, node in others):
@@ -270,7 +309,7 @@ class Unreached:
             found = Reason(text, home.at(node), fix)
         elif len(others) == 1 and reached:
             ((home, node),) = others
-            found = Reason(f"line {node.lineno} sets it: `{shown(node)}`", home.at(node))
+            found = Reason(f"line {node.lineno} sets it: `{on_one_line(node)}`", home.at(node))
         elif len(others) == 1:
             ((home, node),) = others
             text = f"the only other place that sets it, line {node.lineno} in {_name_around(home, node)}(), was not reached"
@@ -285,15 +324,16 @@ class Unreached:
             return self._never_set(source, attribute) if same and not others else None
         return found
 
-    def _stores(self, name: str, value: str) -> tuple[list[_Store], list[_Store]]:
+    def _stores(self, source: PythonSource, attribute: Any, value: str) -> tuple[list[_Store], list[_Store]]:
         """Return the statements that set an attribute: to a constant with this value, and to anything else."""
         same, others = list[_Store](), list[_Store]()
         for home in self.look.files:
             for node in home.nodes:
                 is_set = (
                     isinstance(node, ast.Attribute)
-                    and node.attr == name
+                    and node.attr == attribute.attr
                     and not isinstance(node.ctx, ast.Load)
+                    and not (is_self_attribute(node) and self._are_apart(source, attribute, home, node))
                 )
                 if is_set and (statement := statement_of(home, node)):
                     given = (
@@ -305,16 +345,22 @@ class Unreached:
                     (same if is_same else others).append((home, statement))
         return same, others
 
+    def _are_apart(self, source: PythonSource, node: Any, home: PythonSource, other: Any) -> bool:
+        """Return whether two attributes of self belong to classes of which none inherits from another of the workspace."""
+        classes = (source.class_at(node.lineno), home.class_at(other.lineno))
+        bases = {last_name(base) for found in classes if found for base in found.bases}
+        own = {n.name for file in self.look.files for n in file.nodes if isinstance(n, ast.ClassDef)}
+        return None not in classes and classes[0] is not classes[1] and bases.isdisjoint(own)
+
     def _never_set(self, source: PythonSource, attribute: Any) -> Reason:
         """Return what is said of an attribute that is never set to another value: perhaps a local variable is instead."""
         name, text = ast.unparse(attribute), "nothing in the code sets it to another value"
         for node in walk(source.class_at(attribute.lineno) or source.tree):
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store) and node.id == attribute.attr:
                 text += f": line {node.lineno} sets only a local variable {node.id}"
-                return Reason(
-                    text, source.at(node), f"write {name} instead of {node.id} on line {node.lineno}"
-                )
-        return Reason(text, source.at(attribute), f"set {name} where it should change")
+                fix = f"write {name} instead of {node.id} on line {node.lineno}"
+                return Reason(text, source.at(node), fix, is_certain=True)
+        return Reason(text, source.at(attribute), f"set {name} where it should change", is_certain=True)
 
     def _uncalled(self, source: PythonSource, function: Any, steps: int) -> Reason | None:
         """Return why a function was never called: nothing calls it, what calls it was not reached, or no message came."""
@@ -332,7 +378,8 @@ class Unreached:
             if function.name in (getattr(node, "attr", ""), getattr(node, "id", ""))
         ]
         if not named and not function.decorator_list and not function.name.startswith(("__", "on_")):
-            return Reason(f"{text}: nothing calls it", place, f"call {function.name}() where it is needed")
+            fix = f"call {function.name}() where it is needed"
+            return Reason(f"{text}: nothing calls it", place, fix, is_certain=not self._gets_by_name)
         home, statement = (named[0][0], statement_of(*named[0])) if len(named) == 1 else (source, None)
         if statement is None or self.record.count(home, statement):
             return Reason(text, place)
@@ -341,11 +388,18 @@ class Unreached:
         return further.after(f"{text}: ") if further else Reason(text, place)
 
     @cached_property
+    def _names(self) -> frozenset[str]:
+        return frozenset(last_name(node) for source in self.look.files for node in source.nodes)
+
+    @property
     def _sets_by_name(self) -> bool:
         """Whether anything sets attributes by names that are not in the text."""
-        words = ("setattr", "__dict__", "vars")
-        nodes = (node for source in self.look.files for node in source.nodes)
-        return any(getattr(node, "attr", getattr(node, "id", "")) in words for node in nodes)
+        return not self._names.isdisjoint(("setattr", "__dict__", "vars"))
+
+    @property
+    def _gets_by_name(self) -> bool:
+        """Whether anything asks for methods by names that are not in the text."""
+        return not self._names.isdisjoint(("getattr", "globals", "attrgetter", "__dict__", "vars"))
 
 
 def statement_of(source: PythonSource, node: ast.AST) -> ast.stmt | None:
@@ -356,22 +410,17 @@ def statement_of(source: PythonSource, node: ast.AST) -> ast.stmt | None:
     return found
 
 
-def shown(node: ast.AST) -> str:
-    """Return the text of a statement on one line, shortened."""
-    text = ast.unparse(node).splitlines()[0]
-    return text if len(text) <= LONGEST else f"{text[: LONGEST - 3]}..."
-
-
-def times(count: int) -> str:
-    """Return how often something happened, in words."""
-    return {1: "once", 2: "twice"}.get(count, f"{count} times")
-
-
-def _around(source: PythonSource, statement: ast.AST | None) -> tuple[ast.AST | None, Sequence[ast.stmt]]:
-    """Return what a statement is in, and the statements of its block there."""
+def block_of(source: PythonSource, statement: ast.AST | None) -> list[ast.stmt]:
+    """Return the statements of the block in which a statement is; empty if it is in none."""
     owner = source.above(statement) if statement is not None else None
     blocks = (getattr(owner, name, None) for name in ("body", "orelse", "finalbody"))
-    return owner, next((b for b in blocks if isinstance(b, list) and statement in b), ())
+    return next((b for b in blocks if isinstance(b, list) and statement in b), [])
+
+
+def _around(source: PythonSource, statement: ast.AST | None) -> tuple[ast.AST | None, list[ast.stmt]]:
+    """Return what a statement is in, and the statements of its block there."""
+    owner = source.above(statement) if statement is not None else None
+    return owner, block_of(source, statement)
 
 
 def _name_around(source: PythonSource, node: ast.stmt) -> str:
@@ -396,48 +445,4 @@ def _caught(error: Error) -> Reason:
     handler = error.handler[1] if error.handler else 0
     text = f"line {line} failed with {failed_with(error)}, which the `except` on line {handler} caught {times(error.count)}"
     fix = f"correct line {line}, and let the `except` show the error that it catches"
-    return Reason(text, source.at(line), fix, on_the_way=(source.at(handler),))
-
-
-def _of_side(text: str, side: Side) -> str:
-    """Return the values that one side of a test had, as a clause."""
-    if side.bounds:
-        least, most = (f"{float(bound):.6g}" for bound in side.bounds)
-        return f"{text} was between {least} and {most}"
-    return f"{text} was {side.last} {'the last' if side.has_changed else 'each'} time"
-
-
-def is_coming(record: Record, place: Spot, test: ast.expr, found: Test, *, wanted: bool) -> bool:
-    """Return whether a comparison may only not have become true, or false, so far.
-
-    A number in it still moved when a longer run ended. Without one, it only went towards the other side, or has not
-    changed often enough to tell.
-    """
-    if not isinstance(test, ast.Compare) or not any(side.bounds for side in found.sides):
-        return False
-    if record.moving is not None and found.checks >= LEAST:
-        return place in record.moving
-    sign, (left, right) = test.ops[0], found.sides[:2]
-    rises = isinstance(sign, (ast.Gt, ast.GtE)) is wanted
-    if isinstance(sign, ast.Eq):
-        with contextlib.suppress(ValueError):
-            rises = float(left.last) < float(right.last)
-    elif not isinstance(sign, _ORDERS):
-        return False
-    return found.checks < LEAST or left.way == (1 if rises else -1) or right.way == (-1 if rises else 1)
-
-
-def _is_plain(value: str) -> bool:
-    try:
-        ast.literal_eval(value)
-    except (ValueError, SyntaxError):
-        return False
-    return True
-
-
-def _truth(wanted: bool) -> str:
-    return "never true" if wanted else "always true"
-
-
-def _checks(count: int) -> str:
-    return f"{count} checks" if count > 1 else "the only check"
+    return Reason(text, source.at(line), fix, is_certain=True, on_the_way=(source.at(handler),))

@@ -19,10 +19,13 @@ from ros2lab.diagnose.printed.spots import spot_at
 from ros2lab.diagnose.sources.one_run import is_always_reached
 from ros2lab.diagnose.sources.python_source import Function, PythonSource
 from ros2lab.diagnose.sources.spelling import with_article
+from ros2lab.trial.clauses import LEAST, is_coming
+from ros2lab.trial.guards import asks_who_is_there, is_guard
 from ros2lab.trial.held_back import swallowed
+from ros2lab.trial.nans import nan_faults
 from ros2lab.trial.record import Record, Spot, Test, node_at
 from ros2lab.trial.undone import undone_faults
-from ros2lab.trial.unreached import LEAST, Unreached, is_coming
+from ros2lab.trial.unreached import Unreached
 from ros2lab.trial.witness import WATCHED
 
 _PACKAGE = "ros2lab_watching"  # that a running program imports
@@ -104,7 +107,13 @@ def witnessed(folder: Path, look: Look, moving: Collection[Spot] | None = None) 
     called = record.classes | {(source, node.lineno) for source, node in record.marked(Function)}
     done = {source.at(node) for source, node in record.marked(_SIMPLE)}
     return Witnessed(
-        [*_cut_short(record.loops), *near, *undone_faults(record), *(finding for finding, _ in hidden)],
+        [
+            *_cut_short(record.loops),
+            *near,
+            *nan_faults(record),
+            *undone_faults(record),
+            *(finding for finding, _ in hidden),
+        ],
         changed[:MOST],
         steady[:MOST],
         frozenset(called),
@@ -153,6 +162,8 @@ def _never_true(record: Record) -> Iterator[tuple[Finding, str]]:
             continue
         if len(sides) != 2 or isinstance(node.ops[0], _DENIALS) or _is_of_module(node):
             continue  # a guard that never fires is as it should be, and so is an imported module's __name__
+        if asks_who_is_there(source, node) or (not near and is_guard(source, node, test)):
+            continue
         is_equal = isinstance(node.ops[0], ast.Eq)
         change = _made_alike(*sides) if is_equal else ""
         has_changed = any(side.has_changed for side in test.sides)

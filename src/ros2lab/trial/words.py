@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.topic_faults import word_sources
 from ros2lab.diagnose.sources.bindings import bindings
 from ros2lab.diagnose.sources.joined_texts import text_of
@@ -19,6 +20,7 @@ from ros2lab.grading.evidence import CommandSeen, Run
 from ros2lab.grading.senses import is_still, sense
 from ros2lab.trial.contents import has_text, numbers_of
 from ros2lab.trial.ends import UNKNOWN_WORD, made
+from ros2lab.trial.record import Record
 
 if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
@@ -26,6 +28,20 @@ if TYPE_CHECKING:
 LONGEST_WORD = 30  # letters
 Leads = dict[str, list[tuple[PythonSource, list[ast.AST]]]]  # the code that a word leads to, with its file
 _ON_STATE = (ast.If, ast.For, ast.While, ast.Match, ast.BoolOp)  # what may pass over what is in it
+
+
+def own_words(look: Look) -> list[str]:
+    """Return the words with which the code of a workspace compares texts."""
+    files = (running(word_sources(look.sources(package))) for package in look.packages)
+    words = dict.fromkeys(word for code in files for word in compared(node for _, node in code))
+    return [word for word in words if word and not word.startswith("__")]
+
+
+def untaken(seen: Seen, record: Record) -> set[str]:
+    """Return the programs that were sent words of which it is not known whether they take any."""
+    known = {*own_words(seen.look), *record.asked_beside(UNKNOWN_WORD)}
+    sent = {run.programs[0]: {command.text for command in run.commands} for run in seen.alone}
+    return {name for name, words in sent.items() if words and known.isdisjoint(words)}
 
 
 def word_faults(seen: Seen) -> Iterator[Finding]:
