@@ -185,6 +185,7 @@ KEPT = "if self.count TEST: self.kept = 0\nself.sum = self.kept"
     ("body", "is_told"),
     [
         (KEPT.replace("TEST", "% 7 < 20"), True),
+        (KEPT.replace("TEST", "> 0"), True),  # it only goes further away
         (KEPT.replace("TEST", "> 3"), False),  # not always
         (KEPT.replace("TEST", "< 90"), False),  # it goes there
         (f"self.last = self.kept\n{KEPT.replace('TEST', '% 7 < 20')}", False),  # it was used before
@@ -199,7 +200,7 @@ def test_what_is_always_set_anew_before_it_is_used_is_told(
     _, notes = told(f"self.keep()\n{body}", tmp_path)
     lost = [note.cause for note in notes if "sets self.kept anew each time" in note.cause]
     assert len(lost) == is_told, notes
-    assert all("(self.count % 7 was between 1 and 6)" in cause for cause in lost)
+    assert all(" was between " in cause for cause in lost)
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ast
 import contextlib
+from collections.abc import Collection
 
 from ros2lab.diagnose.finding import in_a_row
-from ros2lab.trial.record import Record, Side, Spot, Test
+from ros2lab.trial.record import Side, Spot, Test
 
 LEAST = 3  # evaluations of a test that say something
 LONGEST = 70  # characters of a statement
@@ -58,16 +59,18 @@ def is_plain(value: str) -> bool:
     return True
 
 
-def is_coming(record: Record, place: Spot, test: ast.expr, found: Test, *, wanted: bool) -> bool:
+def is_coming(
+    moving: Collection[Spot] | None, place: Spot, test: ast.expr, found: Test, *, wanted: bool
+) -> bool:
     """Return whether a comparison may only not have become true, or false, so far.
 
-    A number in it still moved when a longer run ended. Without one, it only went towards the other side, or has not
-    changed often enough to tell.
+    A number in it still moved when a longer run ended, as is told of those in `moving`. If that is None, it only went
+    towards the other side, or has not changed often enough to tell.
     """
     if not isinstance(test, ast.Compare) or not any(side.bounds for side in found.sides):
         return False
-    if record.moving is not None and found.checks >= LEAST:
-        return place in record.moving
+    if moving is not None and found.checks >= LEAST:
+        return place in moving
     sign, (left, right) = test.ops[0], found.sides[:2]
     rises = isinstance(sign, (ast.Gt, ast.GtE)) is wanted
     if isinstance(sign, ast.Eq):

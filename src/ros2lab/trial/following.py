@@ -48,7 +48,7 @@ def overwritten(record: Record) -> Iterator[Finding]:
             test, function = record.test(source, node.test), source.above(node)
             if not test or test.failed or test.held < LEAST or not isinstance(function, Function):
                 continue
-            if is_coming(record, spot(source, node.test), node.test, test, wanted=False):
+            if is_coming(None, spot(source, node.test), node.test, test, wanted=False):
                 continue
             values, held = values_of(node.test, test), checks_in_words(test.held)
             for kept, again in _kept(record, source, function, node):

@@ -13,8 +13,8 @@ from ros2lab.trial.clauses import LEAST
 from ros2lab.trial.record import Record, node_at
 
 
-def nan_faults(record: Record) -> Iterator[Finding]:
-    """Yield what makes nan of values of which one is nan, if that was compared.
+def nan_faults(record: Record) -> Iterator[tuple[Finding, str]]:
+    """Yield what makes nan of values of which one is nan, each with the place where that was compared.
 
     A value that is nan itself may be left out by just this comparison, or mean that nothing is there.
     """
@@ -31,7 +31,7 @@ def nan_faults(record: Record) -> Iterator[Finding]:
                 cause = (
                     f"{found.cause} In the run, {ast.unparse(part)} was nan in {checks} (line {node.lineno})."
                 )
-                yield replace(found, cause=cause)
+                yield replace(found, cause=cause), source.at(node)
 
 
 def _behind(source: PythonSource, part: ast.expr) -> list[ast.expr]:

@@ -290,7 +290,7 @@ class Unreached:
                 if further.is_circle:
                     return Reason(text, source.at(test), fix, is_circle=True)
                 return further.after(f"{text}, and ", source.at(test))
-        coming = is_coming(self.record, spot(source, test), test, found, wanted=wanted)
+        coming = is_coming(self.record.moving, spot(source, test), test, found, wanted=wanted)
         return Reason(text, source.at(test), fix, is_open, coming, is_known)
 
     def _unset(self, source: PythonSource, attribute: Any, value: str, steps: int) -> Reason | None:

@@ -100,7 +100,8 @@ def witnessed(folder: Path, look: Look, moving: Collection[Spot] | None = None) 
         moving: the tests whose values still moved when the runs ended, of which nothing is said.
     """
     record = Record(folder, look, moving)
-    never = [*_never_true(record)]
+    nans = dict(nan_faults(record))
+    never = [(one, how) for one, how in _never_true(record) if one.place not in nans.values()]
     near, changed, steady = ([one for one, how in never if how == kind] for kind in ("near", "changed", ""))
     unreached = Unreached(record, look)
     hidden = [*swallowed(unreached)]
@@ -110,7 +111,7 @@ def witnessed(folder: Path, look: Look, moving: Collection[Spot] | None = None) 
         [
             *_cut_short(record.loops),
             *near,
-            *nan_faults(record),
+            *nans,
             *undone_faults(record),
             *(finding for finding, _ in hidden),
         ],
@@ -158,7 +159,7 @@ def _never_true(record: Record) -> Iterator[tuple[Finding, str]]:
         sides, near = [side.last for side in test.sides], test.near
         if not isinstance(node, ast.Compare) or test.held or test.failed < LEAST or "None" in sides:
             continue
-        if not near and is_coming(record, place, node, test, wanted=True):
+        if not near and is_coming(record.moving, place, node, test, wanted=True):
             continue
         if len(sides) != 2 or isinstance(node.ops[0], _DENIALS) or _is_of_module(node):
             continue  # a guard that never fires is as it should be, and so is an imported module's __name__
