@@ -122,6 +122,7 @@ SEND = "self.publish(self.count)"
         (f"if self.count > 3: return\nif not self.ready: return\n{SEND}", ["`return` on line 23 came first 4 of 5 times, and where line 24 was reached, `return` on line 24 came first each time"], 0),
         (f"for one in self.items:\n    if one > 1: continue\n    if self.ready: {SEND}", ["`continue` on line 24 came first 10 of 15 times, and where line 25 was reached"], 1),
         (f"if self.count < 4:\n    self.ready = False\n    if self.ready: {SEND}", ["`self.count < 4` on line 23 was not true 4 of 5 times"], 0),
+        (f"if self.count < 7: return\nif self.ready: {SEND}", ["`return` on line 23 came first 2 of 5 times, and where line 24 was reached, self.ready was False in 3 checks"], None),
         (f"if self.count < 4: return\nif self.ready: {SEND}", [": self.ready was False in 4 checks"], None),
     ],
 )  # fmt: skip

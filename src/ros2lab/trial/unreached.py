@@ -32,6 +32,7 @@ from ros2lab.trial.guards import asks_who_is_there
 from ros2lab.trial.record import Error, Record, Test, spot
 from ros2lab.trial.witness import is_marked
 
+MANY = 0.25  # of the calls of a function, in which something else comes first
 STEPS = 3  # from a statement to a value, from there to what sets it, and so on
 _EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
 _ENDS = frozenset(("KeyboardInterrupt", "ExternalShutdownException", "SystemExit", "GeneratorExit"))
@@ -103,7 +104,7 @@ class Unreached:
             if not self.record.count(source, inner):
                 if place or self._entries(source, owner, block):
                     stuck = self._stuck(source, inner, steps)
-                    return stuck and self._after_most(source, inner, stuck)
+                    return stuck and self._after_others(source, inner, stuck)
                 return self._unentered(source, owner, block, steps)
             if inner is statement or isinstance(inner, _EXITS):
                 break
@@ -171,8 +172,8 @@ class Unreached:
             return 0 if isinstance(marked[-1], _EXITS) else self.record.count(source, marked[-1])
         return self._entries(source, around, siblings) if around is not None else 0
 
-    def _after_most(self, source: PythonSource, gate: ast.stmt, reason: Reason) -> Reason:
-        """Return why nothing came past a statement, with what kept most turns of its function or loop from reaching it."""
+    def _after_others(self, source: PythonSource, gate: ast.stmt, reason: Reason) -> Reason:
+        """Return why nothing came past a statement, with what kept many turns of its function or loop from reaching it."""
         turned, inner = list[tuple[int, str, ast.AST]](), gate
         while True:
             owner, block = _around(source, inner)
@@ -190,9 +191,11 @@ class Unreached:
             inner = owner
         turns, reached = self._entries(source, owner, block), self._arrivals(source, gate)
         count, text, at = max(turned, key=lambda row: row[0], default=(0, "", gate))
-        if not reached < count < turns:
+        if not turns * MANY <= count < turns:
             return reason
         text = f"{text} {count} of {turns} times, and where line {gate.lineno} was reached, "
+        if count <= reached:
+            return reason.after(text, source.at(at))
         return replace(reason.after(text, reason.place), place=source.at(at), fix="")
 
     def _unentered(
@@ -204,11 +207,9 @@ class Unreached:
             case ast.FunctionDef() | ast.AsyncFunctionDef():
                 found = self._uncalled(source, owner, steps)
             case ast.If() | ast.While() if any(self._outcomes(source, owner.test)):
-                alone, around = (
-                    self._constant(source, owner.test, block is owner.body, steps),
-                    source.above(owner),
-                )
-                found = alone and self._after_most(source, owner, alone)
+                alone = self._constant(source, owner.test, block is owner.body, steps)
+                around = source.above(owner)
+                found = alone and self._after_others(source, owner, alone)
                 if found and found is alone and isinstance(around, ast.If) and around.orelse == [owner]:
                     found = found.only_if(around.test, "not true")
             case ast.For() if "stdin" in ast.unparse(owner.iter):
