@@ -23,6 +23,7 @@ from ros2lab.trial.contents import leaves_of
 from ros2lab.trial.effects import did_given
 from ros2lab.trial.ends import explained
 from ros2lab.trial.failing import is_of_code
+from ros2lab.trial.set_values import Setting
 from ros2lab.trial.spoken import MOST_SHOWN, Sent, fields_of, value_of
 from ros2lab.trial.story import may_be_called
 
@@ -41,6 +42,7 @@ class GivenRun:
         called: the functions that were called in this run and all others.
         sent: what each program published by its own notes, by its name and the topic.
         when: when what was given, each with the topic or service.
+        settings: what became of each parameter, if these were set.
     """
 
     run: Run
@@ -48,6 +50,7 @@ class GivenRun:
     called: Called
     sent: Mapping[str, Mapping[str, Sent]] = field(default_factory=dict)
     when: Sequence[tuple[float, str, Any]] = ()
+    settings: Sequence[Setting] = ()
 
 
 def open_contents(look: Look, commanded: str) -> Contents:

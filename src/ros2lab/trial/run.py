@@ -35,10 +35,12 @@ from ros2lab.trial.ends import UNKNOWN_WORD
 from ros2lab.trial.given import GivenRun, given_faults, open_contents, told_of_given
 from ros2lab.trial.held_back import with_reasons
 from ros2lab.trial.moving import may_move, still_moving
+from ros2lab.trial.parameters import parameter_faults, told_of_set
 from ros2lab.trial.retold import without_retold
 from ros2lab.trial.rivals import rival_faults, told_of_rivals
 from ros2lab.trial.seen import Seen, seen_faults
 from ros2lab.trial.set_in_vain import set_in_vain
+from ros2lab.trial.set_values import compared_words, settings_of, started_with
 from ros2lab.trial.spoken import Said, Sent, read_sent
 from ros2lab.trial.starts import programs_of
 from ros2lab.trial.story import told_of, untried
@@ -92,7 +94,7 @@ def try_out(
         if not programs:
             return Trial([], [_why_none(look)], read)
         show(f"running {', '.join(program.name for program in programs)}")
-        seen, noted, given = _watched(look, programs)
+        seen, noted, (given, ran) = _watched(look, programs)
     environment.remove_dead_shared_memory()  # of nodes that had to be killed
     called = noted.called
     shown = [
@@ -101,6 +103,7 @@ def try_out(
         *(fault for run in seen.alone for fault in unmade_faults(seen, run, called)),
     ]
     shown += given_faults(seen, given) if given else ()
+    shown += parameter_faults(seen, ran, given, read) if ran else ()
     shown += set_in_vain(look, {run.programs[0]: run for run in seen.alone})
     read = [
         finding
@@ -111,7 +114,12 @@ def try_out(
     found = [*noted.wrong, *without_retold(possible, read, look)]
     found, others, read = with_reasons(found, read, noted, seen)
     story = [
-        *(" ".join((told_of(seen, run, called), *told_of_given(seen, run, given))) for run in seen.alone),
+        *(
+            " ".join(
+                (told_of(seen, run, called), *told_of_given(seen, run, given), *told_of_set(seen, run, ran))
+            )
+            for run in seen.alone
+        ),
         *told_of_rivals(seen),
         *["See whether this is as it should be:"] * bool(others),
         *(f"{note.cause} ({note.place})" for note in others),
@@ -121,8 +129,8 @@ def try_out(
     return Trial(ranked([*once.values()][::-1]), story, read, untried(seen))
 
 
-def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, GivenRun | None]:
-    """Run programs alone and together, and once more with what they may wait for, if nothing in the workspace brings it.
+def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, list[GivenRun | None]]:
+    """Run programs alone and together, and again with what they wait for and nothing brings, and as parameters are set.
 
     What was noted is of all runs, but the calls, and the conditions that were never true, are of those without anything
     made up: a condition may be about what never comes.
@@ -139,10 +147,14 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
         if len(programs) > 1:
             jobs.append(_OwnJob(leases, noting, plan=_BRIEF))
         contents = open_contents(look, assignment.commanded.topic if assignment.commanded else "")
+        words, more = compared_words(look), _noting(programs, more_notes, look)
+        plan = {"has_commands": False, "contents": contents, "settings": words}
+        setting = [] if words is None else [_OwnJob(leases, more, plan=plan)]
         if contents:
-            jobs.append(_OwnJob(leases, _noting(programs, more_notes, look), contents=contents))
+            jobs.append(_OwnJob(leases, more, contents=contents))
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
-            runs = observer.watch(jobs)
+            runs = observer.watch([*jobs, *setting])[: len(jobs)]
+            ran = _set(observer, leases, setting[0], runs[: len(programs)]) if setting else None
             sent = [job.sent(more_notes if job.setting == GIVEN else notes) for job in jobs]
             noted = witnessed(notes, look)
             for place in _asked_again(runs[: len(programs)], sent, noted):
@@ -163,7 +175,7 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
                 moving = still_moving(noted.unreached.record, witnessed(longer_notes, look).unreached.record)
         _bring(longer_notes, notes)
         ever = noted = witnessed(notes, look, moving)
-        if contents:
+        if contents or ran:
             _bring(more_notes, notes)
             ever = witnessed(notes, look, moving)
     usual = runs[: len(runs) - bool(contents)]
@@ -176,13 +188,27 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
     together = sent[len(programs)] if len(programs) > 1 else {}
     told = Said(alone, together)
     seen = Seen(look, assignment, usual[: len(programs)], usual[len(programs) :], [*first, *later], told)
-    if not contents:
-        return seen, noted, None
     still = {finding.place for finding in (*ever.never, *ever.steady)}
     never, steady = ([one for one in found if one.place in still] for found in (noted.never, noted.steady))
     fatal, when = (jobs[-1].result.get(name, []) for name in ("fatal", "when"))
     noted = replace(ever, never=never, steady=steady, called=noted.called)
-    return seen, noted, GivenRun(runs[-1], fatal, ever.called, sent[-1], when)
+    given = GivenRun(runs[-1], fatal, ever.called, sent[-1], when) if contents else None
+    return seen, noted, [given, ran]
+
+
+def _set(observer: Observer, leases: contextlib.ExitStack, job: _OwnJob, alone: Sequence[Run]) -> GivenRun:
+    """Return what came of the parameters that a job has set; where nothing did, also what they do at the start."""
+    found, nodes = [*settings_of(job.result)], {run.programs[0]: run.nodes for run in alone}
+    plan, tried = {**job.plan, "settings": None}, dict[int, _OwnJob]()
+    for number, one in enumerate(found):
+        own = [f"{one.name}:={json.dumps(one.value)}"]
+        programs = [replace(p, parameters=own) if nodes[p.name] == [one.node] else p for p in job.programs]
+        tried |= {number: _OwnJob(leases, programs, plan=plan)} if one.is_idle else {}
+    observer.watch([*tried.values()])
+    for number, other in tried.items():
+        if other.is_stepped == job.is_stepped and not other.ended:
+            found[number] = replace(found[number], at_start=started_with(job.result, other.result))
+    return GivenRun(job.run(), job.result.get("fatal", []), frozenset(), settings=found)
 
 
 def _asked_again(runs: Sequence[Run], sent: Sequence[Mapping[str, Any]], noted: Witnessed) -> list[int]:

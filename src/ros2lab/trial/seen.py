@@ -93,10 +93,10 @@ class Seen:
 
     def main(self, program: str) -> str:
         """Return the file with the entry point of a program; empty if it is not known."""
-        found = self._entry(program)
+        found = self.entry(program)
         return found[0].sources[found[1]].shown if found else ""
 
-    def _entry(self, program: str) -> tuple[NodeSources, str] | None:
+    def entry(self, program: str) -> tuple[NodeSources, str] | None:
         """Return the sources of a package and the module with a program's entry point; None if not known."""
         for package in self.look.packages:
             for point in (package.setup.entry_points if package.setup else None) or ():
@@ -115,7 +115,7 @@ class Seen:
 
     def names(self, run: Run) -> set[str]:
         """Return the names that the files of a program use, as far as they belong to its package."""
-        found = self._entry(run.programs[0])
+        found = self.entry(run.programs[0])
         files = (found[0].around(found[1]) or found[0]).sources if found else {}
         nodes = itertools.chain.from_iterable(source.nodes for source in files.values())
         return {getattr(node, "attr", getattr(node, "id", "")) for node in nodes}

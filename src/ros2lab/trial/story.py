@@ -73,10 +73,9 @@ def untried(seen: Seen) -> str:
     goals = dict.fromkeys(
         f"goals for /{end.name.lstrip('/')}" for end in ends if end.is_action and end.is_server and end.name
     )
-    has_parameters = any(values for run in seen.alone for values in run.parameters.values())
     is_asking = any(not seen.names(run).isdisjoint(("input", "stdin")) for run in seen.alone)
-    parts = [*["other values of parameters"] * has_parameters, *["a keyboard"] * is_asking, *goals]
-    return f"It has not tried {in_a_row([*parts, 'what shows only later or on a robot'])}."
+    parts = [*["a keyboard"] * is_asking, *goals, "what shows only later or on a robot"]
+    return f"It has not tried {in_a_row(parts)}."
 
 
 def _standing(seen: Seen, run: Run, called: Called) -> list[str]:

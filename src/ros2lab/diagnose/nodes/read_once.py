@@ -82,8 +82,6 @@ def _reads(node: ast.AST, name: str) -> bool:
 
 
 def _is_said_to_change(state: State, name: str) -> bool:
-    """Return whether a docstring or a comment gives the command that changes it: prose is not understood."""
-    kinds = (ast.Module, ast.ClassDef, ast.FunctionDef)
-    texts = [ast.get_docstring(n) or "" for n in walk(state.source.tree) if isinstance(n, kinds)]
-    texts += [row.partition("#")[2] for row in state.source.text.splitlines()]
-    return any("ros2 param set" in text and re.search(rf"\b{re.escape(name)}\b", text) for text in texts)
+    """Return whether a line gives the command that changes it: prose is not understood."""
+    rows = [row for row in state.source.text.splitlines() if "ros2 param set" in row]
+    return any(re.search(rf"\b{re.escape(name)}\b", row) for row in rows)

@@ -18,6 +18,7 @@ from ros2lab.grading.watching.given import Given, wanted
 from ros2lab.grading.watching.quiet import STEP, Quiet, silent_after, too_little
 from ros2lab.grading.watching.script import FLOOD, Script
 from ros2lab.grading.watching.service_calls import call_services
+from ros2lab.grading.watching.settings import Settings
 from ros2lab.grading.watching.watch import ANSWER_TIMEOUT, Gone, NotStepped, Watch
 from ros2lab.observed_domain import LATE
 
@@ -147,15 +148,15 @@ class Conductor:
         # later.
         least = 3 if self.plan["is_brief"] or self.plan["programs"] > 1 else math.inf
         unknown = [t for t, count in answered.items() if count < 2 and watch.ears[t].total < least]
-        if watch.is_stepped and unknown and not self.plan.get("longer"):
+        if watch.is_stepped and unknown and not (self.plan.get("longer") or "settings" in self.plan):
             raise NotStepped(too_little(unknown))
 
     def _give(self, watch: Watch) -> None:
         """Give the programs what they may wait for, and record what is published meanwhile if more follows."""
         is_followed = self.plan["has_commands"]
         calls = list[dict[str, Any]]() if is_followed else self._calls
-        contents, programs = self.plan["contents"], self.plan["programs"]
-        self._given = Given(watch, contents, calls, programs, lambda: self._alive, is_thorough=is_followed)
+        kind = Settings if "settings" in self.plan else Given
+        self._given = kind(watch, self.plan, calls, lambda: self._alive, is_thorough=is_followed)
         try:
             self._given.give_all()
         finally:

@@ -42,10 +42,9 @@ class Given:
 
     Args:
         watch: the observer's watch of the run.
-        contents: the `words` and `numbers` that the code compares, by the last part of the topic's name; under an
-            empty name for all others.
+        plan: how many `programs` were started, and the `contents`: the `words` and `numbers` that the code compares, by
+            the last part of the topic's name; under an empty name for all others.
         calls: where the calls of services are noted.
-        programs: how many programs were started.
         alive: returns how many of them have not ended.
         is_thorough: whether managed nodes are told to configure and to activate themselves, and silent ones are
             waited for.
@@ -60,9 +59,8 @@ class Given:
     def __init__(
         self,
         watch: Watch,
-        contents: Contents,
+        plan: Mapping[str, Any],
         calls: list[dict[str, Any]],
-        programs: int,
         alive: Callable[[], int],
         *,
         is_thorough: bool,
@@ -71,8 +69,9 @@ class Given:
         self.ungiven: dict[str, str] = {}
         self.fatal: list[dict[str, Any]] = []
         self.when: list[tuple[float, str, Any]] = []
-        self._watch, self._contents, self._calls, self._is_thorough = watch, contents, calls, is_thorough
-        self._living, self._alive = programs, alive
+        self._watch, self._calls, self._is_thorough = watch, calls, is_thorough
+        self._contents: Contents = plan["contents"]
+        self._living, self._alive = plan["programs"], alive
         self._now = lambda: watch.node.get_clock().now().to_msg()
         self._number = 0  # of the turn
         self._hold: int | None = None
