@@ -144,7 +144,6 @@ STAGES: tuple[tuple[str, ...], ...] = (
         "parameter-name",
         "parameter-octal",
         "parameter-once",
-        "parameter-refused",
         "remap-unknown",
         "namespace-unused",
         "parameter-replaced",

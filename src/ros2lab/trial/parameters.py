@@ -13,7 +13,6 @@ from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name, read_text
 from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.uses import uses_of
-from ros2lab.grading.evidence import Run
 from ros2lab.trial.given import GivenRun, given_faults
 from ros2lab.trial.set_values import Setting, told
 from ros2lab.trial.spoken import value_of
@@ -22,8 +21,7 @@ if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
 
 # Other ways in which code hears of a parameter, or sets it.
-_OTHERWISE = frozenset(("ParameterEvent", "ParameterEventHandler", "AsyncParameterClient", "SetParameters"))
-_OTHERWISE |= frozenset(("parameter_events", "set_parameters", "set_parameters_atomically"))
+_OTHERWISE = re.compile(r"\w*Parameter(Event|Client)\w*|SetParameters|(parameter_ev|set_param)\w+")
 # What a line may say of a parameter that is for the start only.
 _START = re.compile(r"start|launch|\bonce\b|initial|fixed|constant", re.IGNORECASE)
 
@@ -74,7 +72,7 @@ class _Code:
             is_kept = attr in stored and uses.callbacks.get(id(function)) != "create_timer"
             if is_kept or (attr.startswith("get_parameter") and id(node) not in others):
                 return True
-        return any(uses.named[word] for word in _OTHERWISE)
+        return any(map(_OTHERWISE.fullmatch, uses.named))
 
 
 def parameter_faults(
@@ -105,7 +103,7 @@ def _fault(setting: Setting, code: _Code, declared: Iterable[str]) -> Finding | 
     if setting.taken is False and not (setting.reason or is_no):
         cause = f"{setting.shown} was refused without a reason, and so was the value that it has: {called} accepts nothing."
         fix = "return SetParametersResult(successful=True) where it accepts: without successful=True, it refuses"
-        return Finding("parameter-refused", cause, place, fix)
+        return Finding("value-none", cause, place, fix)
     if setting.late:
         cause = f"When {name} was set to {value_of(setting.value)}, nothing changed, but when it was set back, {told(setting.late)}: {called} uses the value before."
         fix = f"in {called}, take the `.value` of the parameters that it is given before it is used; get_parameter() may still return the old one there"
@@ -131,16 +129,18 @@ def _is_in_vain(setting: Setting, code: _Code) -> bool:
 
 
 def _in_vain(setting: Setting) -> str:
-    return f"{setting.shown}, set while the node ran, changed nothing; if it starts with it, {told(setting.at_start)}"
+    return f"{setting.shown}, set while {setting.node} ran, changed nothing; if it starts with it, {told(setting.at_start)}"
 
 
-def told_of_set(seen: Seen, run: Run, ran: GivenRun | None) -> Iterator[str]:
-    """Say in sentences what a program did with parameters that were set while it ran."""
-    code = _Code(seen, run.programs[0])
-    for setting in (one for one in (ran.settings if ran else ()) if one.node in run.nodes):
-        if setting.changes:
-            yield f"With {setting.shown}, set while it ran, {told(setting.changes)}."
-        elif setting.taken is False:
-            yield f"It refused {setting.shown}{f': {setting.reason}' if setting.reason else ''}."
-        elif not code.callbacks and _is_in_vain(setting, code):
-            yield f"{_in_vain(setting)}: it is read once, at {code.read(setting.name)}."
+def told_of_set(seen: Seen, ran: GivenRun | None) -> Iterator[str]:
+    """Say in sentences what nodes did with parameters that were set while they ran."""
+    for setting in ran.settings if ran else ():
+        for run in (one for one in seen.alone if setting.node in one.nodes):
+            code = _Code(seen, run.programs[0])
+            if setting.changes:
+                yield f"With {setting.shown}, set while {setting.node} ran, {told(setting.changes)}."
+            elif setting.taken is False:
+                why = f": {setting.reason.rstrip('.')}" if setting.reason else ""
+                yield f"{setting.node} refused {setting.shown}{why}."
+            elif not code.callbacks and _is_in_vain(setting, code):
+                yield f"{_in_vain(setting)}: it is read once, at {code.read(setting.name)}."

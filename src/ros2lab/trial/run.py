@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import json
 import math
 import re
 import socket
@@ -114,12 +115,8 @@ def try_out(
     found = [*noted.wrong, *without_retold(possible, read, look)]
     found, others, read = with_reasons(found, read, noted, seen)
     story = [
-        *(
-            " ".join(
-                (told_of(seen, run, called), *told_of_given(seen, run, given), *told_of_set(seen, run, ran))
-            )
-            for run in seen.alone
-        ),
+        *(" ".join((told_of(seen, run, called), *told_of_given(seen, run, given))) for run in seen.alone),
+        *told_of_set(seen, ran),
         *told_of_rivals(seen),
         *["See whether this is as it should be:"] * bool(others),
         *(f"{note.cause} ({note.place})" for note in others),
@@ -200,14 +197,18 @@ def _set(observer: Observer, leases: contextlib.ExitStack, job: _OwnJob, alone: 
     """Return what came of the parameters that a job has set; where nothing did, also what they do at the start."""
     found, nodes = [*settings_of(job.result)], {run.programs[0]: run.nodes for run in alone}
     plan, tried = {**job.plan, "settings": None}, dict[int, _OwnJob]()
+    again = _OwnJob(leases, job.programs, plan=plan)  # shows what differs from start to start
     for number, one in enumerate(found):
         own = [f"{one.name}:={json.dumps(one.value)}"]
         programs = [replace(p, parameters=own) if nodes[p.name] == [one.node] else p for p in job.programs]
         tried |= {number: _OwnJob(leases, programs, plan=plan)} if one.is_idle else {}
-    observer.watch([*tried.values()])
+    observer.watch([again, *tried.values()] if tried else [])
     for number, other in tried.items():
-        if other.is_stepped == job.is_stepped and not other.ended:
-            found[number] = replace(found[number], at_start=started_with(job.result, other.result))
+        is_alike = job.is_stepped == again.is_stepped == other.is_stepped
+        if is_alike and again.result and not (again.ended or other.ended):
+            chance = {change[0] for change in started_with(job.result, again.result)}
+            changes = [one for one in started_with(job.result, other.result) if one[0] not in chance]
+            found[number] = replace(found[number], at_start=changes)
     return GivenRun(job.run(), job.result.get("fatal", []), frozenset(), settings=found)
 
 
