@@ -154,9 +154,8 @@ class Conductor:
     def _give(self, watch: Watch) -> None:
         """Give the programs what they may wait for, and record what is published meanwhile if more follows."""
         is_followed = self.plan["has_commands"]
-        calls = list[dict[str, Any]]() if is_followed else self._calls
         kind = Settings if "settings" in self.plan else Given
-        self._given = kind(watch, self.plan, calls, lambda: self._alive, is_thorough=is_followed)
+        self._given = kind(watch, self.plan, [] if is_followed else self._calls, lambda: self._alive)
         try:
             self._given.give_all()
         finally:

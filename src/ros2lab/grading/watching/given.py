@@ -42,12 +42,11 @@ class Given:
 
     Args:
         watch: the observer's watch of the run.
-        plan: how many `programs` were started, and the `contents`: the `words` and `numbers` that the code compares, by
-            the last part of the topic's name; under an empty name for all others.
+        plan: how many `programs` were started; whether commands follow, and so managed nodes are told to configure and
+            to activate themselves, and silent ones are waited for; and the `contents`: the `words` and `numbers` that
+            the code compares, by the last part of the topic's name; under an empty name for all others.
         calls: where the calls of services are noted.
-        alive: returns how many of them have not ended.
-        is_thorough: whether managed nodes are told to configure and to activate themselves, and silent ones are
-            waited for.
+        alive: returns how many programs have not ended.
 
     Attributes:
         types: what was given, each topic and service with its type.
@@ -57,19 +56,13 @@ class Given:
     """
 
     def __init__(
-        self,
-        watch: Watch,
-        plan: Mapping[str, Any],
-        calls: list[dict[str, Any]],
-        alive: Callable[[], int],
-        *,
-        is_thorough: bool,
+        self, watch: Watch, plan: Mapping[str, Any], calls: list[dict[str, Any]], alive: Callable[[], int]
     ) -> None:
         self.types: dict[str, str] = {}
         self.ungiven: dict[str, str] = {}
         self.fatal: list[dict[str, Any]] = []
         self.when: list[tuple[float, str, Any]] = []
-        self._watch, self._calls, self._is_thorough = watch, calls, is_thorough
+        self._watch, self._calls, self._is_thorough = watch, calls, plan["has_commands"]
         self._contents: Contents = plan["contents"]
         self._living, self._alive = plan["programs"], alive
         self._now = lambda: watch.node.get_clock().now().to_msg()

@@ -25,8 +25,8 @@ class Settings(Given):
     None if nothing is to be set.
     """
 
-    def __init__(self, watch: Watch, plan: Mapping[str, Any], *given: Any, **more: Any) -> None:
-        super().__init__(watch, plan, *given, **more)
+    def __init__(self, watch: Watch, plan: Mapping[str, Any], *given: Any) -> None:
+        super().__init__(watch, plan, *given)
         self._words, self._controls, self._sets = plan["settings"], list[Any](), list[dict[str, Any]]()
 
     def told(self) -> dict[str, Any]:
