@@ -69,7 +69,8 @@ class _Code:
             if function is None or function.name == "__init__" or node in self.reached:
                 continue
             attr = getattr(node, "attr", "") if isinstance(getattr(node, "ctx", None), ast.Load) else ""
-            is_kept = attr in stored and uses.callbacks.get(id(function)) != "create_timer"
+            of_timer = any(made.method == "create_timer" for made in uses.callbacks.get(id(function), ()))
+            is_kept = attr in stored and not of_timer
             if is_kept or (attr.startswith("get_parameter") and id(node) not in others):
                 return True
         return any(map(_OTHERWISE.fullmatch, uses.named))
