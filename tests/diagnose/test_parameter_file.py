@@ -15,8 +15,7 @@ from workspace_files import NAMES, Files
 from ros2lab.diagnose import of_text
 from ros2lab.diagnose.finding import UNKNOWN
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.nodes.parameter_faults import unread_file
-from ros2lab.diagnose.nodes.replaced_values import replaced_values
+from ros2lab.diagnose.nodes.parameter_faults import replaced_values, unread_file
 from ros2lab.diagnose.sources.parameter_file import (
     ParameterFileError,
     UnreadParameterFileError,

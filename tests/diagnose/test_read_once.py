@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from one_file import printed_by, sources_of
 
-from ros2lab.diagnose.nodes.read_once import meant_to_change
+from ros2lab.diagnose.nodes.stale_values import meant_to_change
 from ros2lab.diagnose.sources.uses import State, uses_of
 
 CODE = '''\

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from one_file import sources_of
 
-from ros2lab.diagnose.nodes.several_bases import constructor_left_out
+from ros2lab.diagnose.nodes.super_order import constructor_left_out
 
 NODE = """\
 import abc

@@ -31,11 +31,10 @@ from ros2lab.diagnose.launching.started_faults import (
 )
 from ros2lab.diagnose.net import guarded
 from ros2lab.diagnose.nodes.environments import Program, environment_apart
-from ros2lab.diagnose.nodes.named_alike import named_alike
 from ros2lab.diagnose.nodes.parameter_faults import file_faults
 from ros2lab.diagnose.nodes.partners import Partners
 from ros2lab.diagnose.nodes.service_faults import service_faults
-from ros2lab.diagnose.nodes.taken_names import taken_packages
+from ros2lab.diagnose.nodes.taken_names import named_alike, taken_packages
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of, topic_faults
 from ros2lab.diagnose.packaging.build_order import BuildOrder
 from ros2lab.diagnose.packaging.for_ros import is_for_ros

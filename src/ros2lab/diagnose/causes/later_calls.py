@@ -1,4 +1,4 @@
-"""Values that a library calls as functions: the line that gave it one is named nowhere in the traceback."""
+"""What a library calls later: values that are no functions, and arguments that are no tuple."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import place_of, source_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.own_functions import as_function, returned
-from ros2lab.diagnose.sources.python_source import PythonSource, last_name, own_nodes
+from ros2lab.diagnose.sources.python_source import PythonSource, given_to, last_name, own_nodes
 
 _SAYS = re.compile(r"'(?P<kind>\w+)' object is not callable")
 _MAKERS = frozenset(("partial", "partialmethod", "getattr", "wraps"))  # what they return is called later
@@ -76,3 +76,25 @@ def _may_be(sources: NodeSources, source: PythonSource, call: ast.Call, *, gives
         inner = any(isinstance(n, (ast.FunctionDef, ast.Lambda)) for n in own_nodes(own))
         return not inner and bool(returned(own)) != gives_none
     return gives_none
+
+
+_NO_TUPLE = re.compile(
+    r"(?P<name>\w+)\(\) (?:argument after \* must be an iterable, not |takes .*positional arguments? but (?P<many>\d+) w)"
+)
+
+
+def of_lone_argument(error: ErrorText, look: Look) -> Finding | None:
+    """Return the call that hands on `args=(x)` for `args=(x,)`; None for another error, or if no call does."""
+    said = _NO_TUPLE.search(error.report.message) if error.report else None
+    if said is None or error.report is None or own_frames(error.report.frames[-1:]):
+        return None
+    for source in look.files:
+        for call in (call for call in source.calls if said["name"] in map(last_name, given_to(call))):
+            args = next((keyword for keyword in call.keywords if keyword.arg == "args"), None)
+            value = source.written(args.value) if args else None
+            is_text = isinstance(value, ast.JoinedStr) or isinstance(getattr(value, "value", None), str)
+            if args and not isinstance(value, (ast.Tuple, ast.List)) and (is_text or not said["many"]):
+                cause = f"`{source.segment(args)}` hands on no tuple: a comma makes one, parentheses alone do not."
+                fix = f"write `args=({ast.unparse(args.value)},)` instead of `{source.segment(args)}`"
+                return Finding("made-wrong", cause, source.at(args.value), fix)
+    return None

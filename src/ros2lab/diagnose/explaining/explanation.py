@@ -10,19 +10,16 @@ from pathlib import Path
 
 from ros2lab.diagnose.causes.answers import of_answer
 from ros2lab.diagnose.causes.declarations import declaration_fault
+from ros2lab.diagnose.causes.file_lookups import of_lost_slash
 from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
-from ros2lab.diagnose.causes.later_calls import of_later_call
-from ros2lab.diagnose.causes.lone_arguments import of_lone_argument
-from ros2lab.diagnose.causes.lost_slashes import of_lost_slash
-from ros2lab.diagnose.causes.namesakes import of_namesake
-from ros2lab.diagnose.causes.parameters_given import of_parameters
+from ros2lab.diagnose.causes.later_calls import of_later_call, of_lone_argument
 from ros2lab.diagnose.causes.raised_in_callbacks import of_own_raise
 from ros2lab.diagnose.causes.refused_names import of_refused_name, of_refused_rule
 from ros2lab.diagnose.causes.ros_arguments import of_ros_arguments
-from ros2lab.diagnose.causes.shadowed import of_shadow
-from ros2lab.diagnose.causes.taken import of_taken
-from ros2lab.diagnose.causes.unanswered import of_unanswered
+from ros2lab.diagnose.causes.shadowed import of_namesake, of_shadow
+from ros2lab.diagnose.causes.taken import of_parameters, of_taken
 from ros2lab.diagnose.causes.undeclared_arguments import undeclared_argument
+from ros2lab.diagnose.causes.waited import of_unanswered
 from ros2lab.diagnose.causes.where_made import where_made
 from ros2lab.diagnose.checking.called_at_once import called_at_once
 from ros2lab.diagnose.checking.checked_copies import stands_trial

@@ -12,8 +12,8 @@ from ros2lab.diagnose.launching.launch_file import Launched, LaunchFile
 from ros2lab.diagnose.launching.logged import as_logged
 from ros2lab.diagnose.launching.unread_words import unread_words
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.cmake_programs import programs_of
 from ros2lab.diagnose.sources.lying import lies_elsewhere
+from ros2lab.diagnose.sources.made_modules import programs_of
 from ros2lab.diagnose.sources.other_names import by_another_name, meant_function
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.spelling import (

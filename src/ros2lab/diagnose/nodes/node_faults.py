@@ -11,8 +11,7 @@ from ros2lab.diagnose.code.called_back import CALLED_WITH, accepted, executed, n
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.argument_order import EXAMPLES, order_fault
 from ros2lab.diagnose.nodes.qos_written import misplaced_policies
-from ros2lab.diagnose.nodes.several_bases import constructor_left_out
-from ros2lab.diagnose.nodes.super_order import SuperOrder
+from ros2lab.diagnose.nodes.super_order import SuperOrder, constructor_left_out
 from ros2lab.diagnose.nodes.taken_names import hidden_method, hiding_methods, taken_attributes
 from ros2lab.diagnose.nodes.unset_attributes import no_such_member
 from ros2lab.diagnose.sources import interfaces

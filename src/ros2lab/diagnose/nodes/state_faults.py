@@ -8,8 +8,7 @@ from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.hidden_logs import hidden_logs
-from ros2lab.diagnose.nodes.read_once import meant_to_change
-from ros2lab.diagnose.nodes.stale_values import computed_once
+from ros2lab.diagnose.nodes.stale_values import computed_once, meant_to_change
 from ros2lab.diagnose.nodes.unreached import is_seen_whole, unreached
 from ros2lab.diagnose.sources.commented_out import disabled
 from ros2lab.diagnose.sources.interfaces import node_members

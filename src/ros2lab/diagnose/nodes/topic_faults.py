@@ -15,7 +15,7 @@ from ros2lab.diagnose.nodes.own_answers import answers_itself, by_variable, call
 from ros2lab.diagnose.nodes.partners import Partners, made_in, name_in
 from ros2lab.diagnose.nodes.qos_written import with_policy, with_profile_of
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.made_unseen import may_run
+from ros2lab.diagnose.sources.construction import may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, parameters
 from ros2lab.diagnose.sources.qualities import POLICIES, policies_of

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 
 from ros2lab.diagnose.finding import Finding, in_a_row, these_lines
+from ros2lab.diagnose.sources.construction import looks_up, may_run
 from ros2lab.diagnose.sources.interfaces import members_of, node_members
-from ros2lab.diagnose.sources.made_unseen import looks_up, may_run
 from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, last_name, own_nodes, walk
 from ros2lab.diagnose.sources.syntax_parts import own_parameters

@@ -11,7 +11,7 @@ from ros2lab.diagnose.code.shared_objects import shared_objects
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.state_faults import state_faults
-from ros2lab.diagnose.sources.made_unseen import may_be_made_unseen
+from ros2lab.diagnose.sources.construction import may_be_made_unseen
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, walk
 from ros2lab.diagnose.sources.spelling import edits, words_of

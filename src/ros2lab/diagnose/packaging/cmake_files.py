@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from pathlib import Path
 
 from ros2lab.diagnose.finding import Finding, at, line_with
-from ros2lab.diagnose.sources.cmake_programs import commands_in
+from ros2lab.diagnose.sources.made_modules import commands_in
 from ros2lab.diagnose.sources.package import SourcePackage
 from ros2lab.diagnose.sources.python_source import read_text
 from ros2lab.diagnose.sources.spelling import nearest

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import ast
+import contextlib
 import re
 import sys
 import sysconfig
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.library_source import LibrarySource
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
     parameters,
     read_source,
 )
+from ros2lab.diagnose.sources.static_value import bound
 from ros2lab.diagnose.sources.syntax_parts import all_parameters, defaults_of
 
 _DEEPEST = 5  # modules that re-export a name, and levels of base classes
@@ -259,3 +261,17 @@ def _module(name: str) -> PythonSource | None:
     path = folder.joinpath(*rest) if folder else Path("-")
     file = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
     return read_source(file, name, str(file), LibrarySource) if file.is_file() else None
+
+
+class LibrarySource(PythonSource):
+    """A Python file of a library, which works: its tree has no marks, and nothing is said of it."""
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        """The parsed file; empty if this Python cannot parse it."""
+        with warnings.catch_warnings(), contextlib.suppress(SyntaxError, ValueError, RecursionError):
+            warnings.simplefilter("ignore")
+            tree = self.parsed()
+            bound(tree)
+            return tree
+        return ast.Module([], [])

@@ -14,8 +14,8 @@ import itertools
 from collections import defaultdict
 from collections.abc import Collection, Iterator
 
+from ros2lab.diagnose.sources.construction import looks_up
 from ros2lab.diagnose.sources.interfaces import node_members
-from ros2lab.diagnose.sources.made_unseen import looks_up
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
 from ros2lab.grading.code.paths import Paths
 

@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Collection, Iterable, Iterator
 
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.made_unseen import looks_up
+from ros2lab.diagnose.sources.construction import looks_up
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name, walk
 from ros2lab.grading.evidence import WrittenEnd
 
