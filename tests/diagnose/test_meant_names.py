@@ -8,9 +8,9 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.code.argument_names import refused_keywords
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.meant_names import meant
-from ros2lab.diagnose.code.refused_keywords import refused_keywords
 from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.python_source import PythonSource
 

@@ -20,8 +20,8 @@ from ros2lab.diagnose.sources.given_names import argument_of, bound_to, calls_of
 from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, given_to, parameters, read_text
-from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.spelling import nearest
+from ros2lab.diagnose.sources.syntax_parts import removal
 
 _OPTION = "automatically_declare_parameters_from_overrides"
 _DECLARES = ("declare_parameter", "declare_parameters", "set_parameters", "set_parameters_atomically")

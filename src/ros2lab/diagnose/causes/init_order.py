@@ -17,7 +17,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     parameters,
 )
-from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.syntax_parts import removal
 
 _CODE = "rclpy-init-missing"
 

@@ -22,9 +22,8 @@ from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, walk
-from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import defaults_of, equal_sides, own_parameters
+from ros2lab.diagnose.sources.syntax_parts import defaults_of, equal_sides, own_parameters, removal
 
 _FUNCTION = re.compile(r"(?:def|bound method|<method-wrapper|<wrapper-descriptor) .*|Overload\[.*\]")
 # Each type in plain words, and how the type checker writes it; other types are not reported.

@@ -10,17 +10,16 @@ from pathlib import Path
 
 from ros2lab.diagnose.checking.base_classes import asked_of, may_be_of_subclass
 from ros2lab.diagnose.checking.checked_copies import RULES, said_of
-from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted, is_doubtful
-from ros2lab.diagnose.checking.hints import is_misled
+from ros2lab.diagnose.checking.doubts import contradicted, is_contradicted, is_doubtful, is_misled
 from ros2lab.diagnose.checking.type_words import types_named
 from ros2lab.diagnose.code.lost_parameters import CODE, definitions
 from ros2lab.diagnose.finding import Finding, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.sources import interfaces
-from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.construction import is_of_construction
 from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.one_run import may_be_caught
 from ros2lab.diagnose.sources.python_source import PythonSource, names_bound, read_source, read_text
 
 # Types about which there is no doubt: no unions and no containers.

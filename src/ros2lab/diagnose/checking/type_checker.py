@@ -22,10 +22,9 @@ from ros2lab.diagnose.checking.members import in_place_of, without_like
 from ros2lab.diagnose.checking.objections import Doubts, objections_of, owner_and_name
 from ros2lab.diagnose.checking.of_a_node import of_a_node
 from ros2lab.diagnose.checking.operands import as_template, unwrapped
-from ros2lab.diagnose.checking.ros_calls import of_callback, of_class_method
 from ros2lab.diagnose.checking.type_words import not_taken, of_class, plain
-from ros2lab.diagnose.checking.wrong_owners import of_another_owner
-from ros2lab.diagnose.code.refused_keywords import moved_keyword
+from ros2lab.diagnose.checking.wrong_owners import of_another_owner, of_callback, of_class_method
+from ros2lab.diagnose.code.argument_names import moved_keyword
 from ros2lab.diagnose.code.wrong_imports import other_home
 from ros2lab.diagnose.finding import SAID, Finding, stops_node
 from ros2lab.diagnose.look import Look

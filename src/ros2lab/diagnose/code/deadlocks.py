@@ -22,8 +22,7 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     returns_value,
 )
-from ros2lab.diagnose.sources.removal import removal
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, removal
 from ros2lab.diagnose.sources.uses import own_changes
 
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")

@@ -21,9 +21,8 @@ from ros2lab.diagnose.sources.python_source import (
     last_name,
     own_nodes,
 )
-from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.signatures import signature_of
-from ros2lab.diagnose.sources.syntax_parts import is_property, needed_by
+from ros2lab.diagnose.sources.syntax_parts import is_property, needed_by, removal
 
 _SHIFTS = (ast.LShift, ast.RShift)  # objects of libraries use them to put one after the other
 

@@ -17,9 +17,8 @@ from ros2lab.diagnose.finding import these_lines
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.commented_out import put_back
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
-from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import needed_by, stores_in
+from ros2lab.diagnose.sources.syntax_parts import needed_by, removal, stores_in
 
 Reading = tuple[str, str]  # the cause, and the fix
 

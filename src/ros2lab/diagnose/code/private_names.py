@@ -7,9 +7,9 @@ import re
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.free_names import free_name
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, walk
+from ros2lab.diagnose.sources.uses import free_name
 
 
 def private_name_faults(sources: NodeSources) -> Iterator[Finding]:

@@ -25,9 +25,8 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     walk,
 )
-from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, removal, stores_in
 from ros2lab.diagnose.sources.uses import State, Uses, filled, is_log, own_stores, values_in
 
 # Builtins that only compute.

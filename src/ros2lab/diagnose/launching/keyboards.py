@@ -8,8 +8,7 @@ from collections.abc import Iterator, Sequence
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.launching.launch_file import LaunchFile
 from ros2lab.diagnose.launching.started_faults import Started
-from ros2lab.diagnose.sources.caught import may_be_caught
-from ros2lab.diagnose.sources.one_run import blocks, decided, may_end
+from ros2lab.diagnose.sources.one_run import blocks, decided, may_be_caught, may_end
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, walk
 
 _READ = frozenset(("input", "getpass.getpass", "sys.stdin", "curses.wrapper", "curses.initscr"))

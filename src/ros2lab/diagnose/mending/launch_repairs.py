@@ -6,7 +6,7 @@ import ast
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ros2lab.diagnose.checking.edits_told import edits_told
+from ros2lab.diagnose.checking.edits import edits_told
 from ros2lab.diagnose.checking.trials import Trial
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.launching.launch_loaded import load_copies

@@ -15,8 +15,7 @@ from dataclasses import replace
 from ros2lab.diagnose.causes.nothing_given import of_what_gives_nothing
 from ros2lab.diagnose.causes.origins import Origin
 from ros2lab.diagnose.checking.checked_copies import RULES, checked
-from ros2lab.diagnose.checking.edits import Edit
-from ros2lab.diagnose.checking.edits_told import edits_told
+from ros2lab.diagnose.checking.edits import Edit, edits_told
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Trial, statement_of, type_of
 from ros2lab.diagnose.code.unquoted_texts import IF_TEXT
 from ros2lab.diagnose.finding import Finding

@@ -11,8 +11,7 @@ from ros2lab.diagnose.sources.node_source import CREATORS, NodeClass, NodeSource
 from ros2lab.diagnose.sources.one_run import goes_on_forever, may_leave
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import PAUSES, Function, PythonSource, last_name, own_nodes, walk
-from ros2lab.diagnose.sources.removal import removal
-from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by, stores_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by, removal, stores_in
 from ros2lab.diagnose.sources.uses import is_log
 
 HARMLESS = frozenset(("get_logger", "get_clock", "get_parameter", "get_name"))  # methods that change nothing

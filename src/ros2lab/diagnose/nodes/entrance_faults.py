@@ -8,13 +8,12 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding, in_a_row, lines_in_words
+from ros2lab.diagnose.nodes.executors import joined, joined_after, spun_together
 from ros2lab.diagnose.nodes.import_work import import_work
-from ros2lab.diagnose.nodes.one_executor import joined, joined_after, spun_together
 from ros2lab.diagnose.nodes.spin_loops import CALLED_BACK, one_turn, rests, stands_still
-from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass
-from ros2lab.diagnose.sources.one_run import blocks, calls_in_one_run, is_always_reached
+from ros2lab.diagnose.sources.one_run import blocks, calls_in_one_run, is_always_reached, may_be_caught
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -23,9 +22,8 @@ from ros2lab.diagnose.sources.python_source import (
     own_nodes,
     walk,
 )
-from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, removal
 
 # With these a program may last or wait without spinning.
 _WAITING = frozenset(

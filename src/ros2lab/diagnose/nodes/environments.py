@@ -13,7 +13,7 @@ from ros2lab.diagnose.nodes.service_faults import ServiceEnd, service_ends
 from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource, own_nodes
-from ros2lab.diagnose.sources.removal import removal
+from ros2lab.diagnose.sources.syntax_parts import removal
 
 # The variables that decide who sees whom, with what they are where nobody sets them.
 _DEFAULTS = {

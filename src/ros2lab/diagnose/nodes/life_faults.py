@@ -19,7 +19,7 @@ from ros2lab.diagnose.nodes.endless_loops import (
 from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
 from ros2lab.diagnose.nodes.shutdowns import shut_down, shut_down_at_first
-from ros2lab.diagnose.nodes.spin_inside import spin_inside
+from ros2lab.diagnose.nodes.spin_loops import spin_inside
 from ros2lab.diagnose.nodes.unreached import unreached, unreached_faults
 from ros2lab.diagnose.nodes.waits_for_others import waits_for_another
 from ros2lab.diagnose.sources.answered import ends_open, plain_returns, unanswered
@@ -41,9 +41,8 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.qualities import policies_of
-from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import calls_in, calls_of
+from ros2lab.diagnose.sources.syntax_parts import calls_in, calls_of, removal
 
 _ASKED = "create_service"  # its callback answers, so that it can only wait itself until it has done what it is asked for
 _TRANSITIONS = frozenset(

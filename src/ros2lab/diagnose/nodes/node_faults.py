@@ -17,7 +17,6 @@ from ros2lab.diagnose.nodes.unset_attributes import no_such_member
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.answered import plain_returns, response_fields, unanswered
 from ros2lab.diagnose.sources.calls import meant_call
-from ros2lab.diagnose.sources.caught import may_be_caught
 from ros2lab.diagnose.sources.construction import given_to_super, lost_constructor, super_call
 from ros2lab.diagnose.sources.interfaces import fixed_node_properties, members_of, node_members
 from ros2lab.diagnose.sources.node_source import (
@@ -28,6 +27,7 @@ from ros2lab.diagnose.sources.node_source import (
     NodeSources,
     is_self_attribute,
 )
+from ros2lab.diagnose.sources.one_run import may_be_caught
 from ros2lab.diagnose.sources.own_functions import as_function, gives_no_function, is_wrapped
 from ros2lab.diagnose.sources.python_source import (
     YIELDS,
@@ -40,9 +40,8 @@ from ros2lab.diagnose.sources.python_source import (
     parameters,
     walk,
 )
-from ros2lab.diagnose.sources.removal import removal
 from ros2lab.diagnose.sources.spelling import nearest
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, removal
 
 _NODE_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 TOPIC_NAME = re.compile(r"(~(?=/|$))?/?([A-Za-z_{][\w{}]*)(/[A-Za-z_{][\w{}]*)*|~", re.ASCII)

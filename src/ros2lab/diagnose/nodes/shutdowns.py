@@ -8,13 +8,11 @@ import math
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.sources.caught import may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.one_run import blocks, is_always_reached
+from ros2lab.diagnose.sources.one_run import blocks, is_always_reached, may_be_caught, may_be_caught_by_caller
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
-from ros2lab.diagnose.sources.removal import removal
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, removal
 
 _Ways = list[type[BaseException]]
 

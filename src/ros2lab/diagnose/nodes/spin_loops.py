@@ -1,4 +1,4 @@
-"""Loops that spin: what stands still, comes too late, or comes only once, because of it."""
+"""Spins in the wrong place: in a constructor or a callback, and in loops in which something stands still because of it."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.entrance import Call, Entrance
-from ros2lab.diagnose.sources.node_source import CREATORS
-from ros2lab.diagnose.sources.one_run import goes_on_forever
+from ros2lab.diagnose.sources.node_source import CREATORS, NodeClass
+from ros2lab.diagnose.sources.one_run import goes_on_forever, may_be_caught
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
+from ros2lab.diagnose.sources.syntax_parts import calls_in, removal
 
 CALLED_BACK = frozenset(("create_timer", "create_subscription", "create_service"))
 _RARE = frozenset(("create_rate", "create_guard_condition", "create_task", "ActionClient", "ActionServer"))
@@ -140,3 +141,30 @@ def is_endless(loop: ast.While, source: PythonSource) -> bool:
     by_error = {id(n) for h in walk(loop) if isinstance(h, ast.ExceptHandler) for n in walk(h)}
     ends = (node for node in own_nodes(loop) if isinstance(node, (ast.Break, ast.Return, ast.Raise)))
     return goes_on_forever(source, loop) and all(id(node) in by_error for node in ends)
+
+
+def spin_inside(
+    source: PythonSource, owner: NodeClass | None, function: Function, spin: ast.Call, what: str
+) -> Finding:
+    """Return the finding of a spin; the `try` around it, and what ends the node below, go with it."""
+    ends = "never returns and nothing after it is reached"
+    if may_be_caught(source, spin.lineno, KeyboardInterrupt):
+        ends = "does not return before Ctrl-C, and nothing after it is reached until then"
+    cause = f"{what[0].upper()}{what[1:]} spins, so it {ends}."
+    made = f"node = {owner.definition.name}()" if owner else "node = ..."
+    tries = (
+        n for n in own_nodes(function) if isinstance(n, ast.Try) and any(spin in walk(s) for s in n.body)
+    )
+    around = next(tries, None)
+    last = (around or spin).end_lineno or 0
+    ending = {
+        call.lineno
+        for call in calls_in(own_nodes(function))
+        if last_name(call.func) in ("destroy_node", "shutdown", "try_shutdown") and call.lineno > last
+    }
+    fix = f"{removal(source, spin)} here, and write rclpy.spin(node) in main, after the node is made"
+    if what == "the constructor" and (around or ending):
+        moved = f"the whole try on line {around.lineno}" if around else f"`{ast.unparse(spin)}`"
+        lines = "".join(f" and line {line}" for line in sorted(ending))
+        fix = f"move {moved}{lines} to main, below `{made}`, with node instead of self"
+    return Finding("spin-inside", cause, source.at(spin), fix)

@@ -13,7 +13,6 @@ from ros2lab.diagnose.code.bound_names import global_names
 from ros2lab.diagnose.finding import Finding, at, in_a_row, these_lines
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.construction import may_run
-from ros2lab.diagnose.sources.free_names import free_name
 from ros2lab.diagnose.sources.interfaces import fixed_node_properties, method_of, node_members
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.package import SourcePackage
@@ -26,6 +25,7 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.syntax_parts import calls_in, needed_by
+from ros2lab.diagnose.sources.uses import free_name
 
 _VALUES = (ast.Constant, ast.JoinedStr, ast.List, ast.Tuple, ast.Dict, ast.Set, ast.Compare, ast.BinOp)
 

@@ -13,11 +13,11 @@ from importlib.metadata import distributions
 from pathlib import Path
 from shlex import quote
 
+from ros2lab.diagnose.code.argument_names import refused_keywords
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, keys_twice, path_faults
 from ros2lab.diagnose.code.listed_packages import needed_packages, not_listed
 from ros2lab.diagnose.code.meant_names import meant
-from ros2lab.diagnose.code.refused_keywords import refused_keywords
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with

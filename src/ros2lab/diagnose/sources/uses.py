@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Iterator
 from functools import cached_property, lru_cache
 
+from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import (
     LOG_METHODS,
     Creation,
@@ -180,6 +181,15 @@ def own_changes(scope: ast.AST) -> set[str]:
     """Return the attributes of `self` that a scope assigns, or of which it may change what they hold."""
     held = (expression for node in walk(scope) for expression in _changed_by(node))
     return own_stores(scope).union(node.attr for node in held if is_self_attribute(node))
+
+
+def free_name(owner: NodeClass, wished: str) -> str:
+    """Return a name that neither a node nor the class has: the one that is wished, or it with underscores after it."""
+    taken = node_members() | owner.attributes
+    taken |= {node.attr for node in walk(owner.definition) if is_self_attribute(node)}
+    while wished in taken:
+        wished += "_"
+    return wished
 
 
 def values_in(function: Function) -> dict[int, ast.expr]:

@@ -12,14 +12,15 @@ from pathlib import Path, PurePosixPath
 from ros2lab.diagnose.code.syntax_repairs import mended
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.topic_faults import ends_of, timers_of
+from ros2lab.diagnose.sources import interfaces
+from ros2lab.diagnose.sources.construction import looks_up
 from ros2lab.diagnose.sources.file_texts import LARGEST_FILE
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.python_source import PythonSource, last_name, walk
 from ros2lab.grading.code.running import running
 from ros2lab.grading.evidence import WrittenEnd
 from ros2lab.grading.reading.deeds import Deeds
 from ros2lab.grading.reading.documents import is_prose
-from ros2lab.grading.reading.hidden_ends import hidden_ends
 
 MOST_ENDS = 100
 MOST_TRIED = 10  # findings, one by one
@@ -150,3 +151,51 @@ def _named_makers(path: Path) -> Iterable[str]:
 
 def _makers_named(data: bytes) -> list[str]:
     return [b"_".join(words).decode() for words in _NAMES_MAKER.findall(data)]
+
+
+# What looks up a class whose name it is given.
+_LOOKED_UP = frozenset(("import_module", "__import__", "get_message"))
+
+
+def hidden_ends(sources: Collection[PythonSource], ends: Iterable[WrittenEnd]) -> Iterator[WrittenEnd]:
+    """Yield a publisher and a subscription on an unknown topic for each type that code uses beyond `ends`."""
+    handed = Counter(name for source in sources for name in _handed(source))
+    handed.subtract(end.type_name for end in ends)
+    types = [name for name, count in handed.items() if count > 0]
+    if any(_is_looked_up(node) for source in sources for node in source.nodes):
+        types.append("")
+    for type_name in types:
+        yield from (WrittenEnd("", type_name, is_publisher, []) for is_publisher in (True, False))
+
+
+def _handed(source: PythonSource) -> Iterator[str]:
+    """Yield a message's type wherever a module uses its class, except to create a message or to annotate."""
+    own = {id(node) for part in source.nodes for node in _not_handed(part)}
+    for node in source.nodes:
+        if isinstance(node, (ast.Name, ast.Attribute)) and id(node) not in own:
+            name = source.resolve(node) if isinstance(node.ctx, ast.Load) else None
+            if name and interfaces.is_interface(name) and ".msg." in name:
+                yield name.replace(".", "/")
+
+
+def _not_handed(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the nodes inside another one that it passes to nothing."""
+    match node:
+        case ast.Call(func=ast.Name(id="isinstance" | "issubclass"), args=[_, *kinds]):
+            yield from (inner for kind in kinds for inner in walk(kind))
+        case ast.Call(func=function):
+            yield function
+        case ast.Attribute(value=value):
+            yield value
+        case ast.AnnAssign(annotation=annotation) | ast.arg(annotation=ast.expr() as annotation):
+            yield from walk(annotation)
+        case (
+            ast.FunctionDef(returns=ast.expr() as returns)
+            | ast.AsyncFunctionDef(returns=ast.expr() as returns)
+        ):
+            yield from walk(returns)
+
+
+def _is_looked_up(node: ast.AST) -> bool:
+    """Return whether a node looks something up by a computed name."""
+    return looks_up(node) or (isinstance(node, ast.Call) and last_name(node.func) in _LOOKED_UP)
