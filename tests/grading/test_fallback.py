@@ -9,7 +9,7 @@ import pytest
 
 from ros2lab.grading.evidence import CommandSeen
 from ros2lab.grading.grade import Grade
-from ros2lab.grading.judging.fallback import taken_for_unknown
+from ros2lab.grading.judging.told_again import taken_for_unknown
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 

@@ -9,7 +9,7 @@ import evidences
 import pytest
 
 from ros2lab.grading.evidence import Evidence
-from ros2lab.grading.reading.launch_order import programs_named, those_that_start_most_first
+from ros2lab.grading.reading.launch_files import programs_named, those_that_start_most_first
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 

@@ -6,12 +6,12 @@ from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 from ros2lab.diagnose.code.argument_names import argument_name_faults
-from ros2lab.diagnose.code.bound_twice import bound_twice
+from ros2lab.diagnose.code.at_hand import IF_TEXT, with_quotes
 from ros2lab.diagnose.code.changed_loops import changed_loops
 from ros2lab.diagnose.code.defined_once import defined_once
 from ros2lab.diagnose.code.expression_faults import expression_faults
 from ros2lab.diagnose.code.flow_faults import flow_faults
-from ros2lab.diagnose.code.hidden_names import hidden_names
+from ros2lab.diagnose.code.hidden_names import bound_twice, hidden_names
 from ros2lab.diagnose.code.imports import import_faults
 from ros2lab.diagnose.code.line_ends import line_end_faults
 from ros2lab.diagnose.code.locks import lock_faults
@@ -20,7 +20,6 @@ from ros2lab.diagnose.code.one_time import one_time_faults
 from ros2lab.diagnose.code.private_names import private_name_faults
 from ros2lab.diagnose.code.syntax import syntax_finding
 from ros2lab.diagnose.code.units import unit_faults
-from ros2lab.diagnose.code.unquoted_texts import IF_TEXT, with_quotes
 from ros2lab.diagnose.finding import Finding, ranked, stops_node
 from ros2lab.diagnose.net import changed, guarded
 from ros2lab.diagnose.nodes.bursts import burst_faults

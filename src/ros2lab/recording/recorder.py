@@ -13,12 +13,11 @@ import time
 from collections.abc import Collection
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from portable_ros2.bags.mcap_file import RecordingWriter
 from ros2lab import course
 from ros2lab.interrupts import interrupted_says
-from ros2lab.recording.buffer import Buffer
 from ros2lab.recording.files import new_file
 from ros2lab.recording.subscriptions import Subscriptions
 from ros2lab.recording.tables import counted, html_table, text_table
@@ -26,6 +25,7 @@ from ros2lab.recording.track import Track
 
 if TYPE_CHECKING:
     from rclpy.node import Node
+
 
 INTAKE_THREAD, WRITER_THREAD = "ros2lab-recorder-intake", "ros2lab-recorder-writer"
 TAKE_PERIOD = 0.05  # s, in which ROS queues up to QUEUE_DEPTH messages per topic
@@ -257,3 +257,37 @@ class Recorder:
 
     def _repr_html_(self) -> str:
         return html_table(self.headline, self._rows())
+
+
+class Buffer:
+    """Messages that were received and are not yet written, up to a number of bytes."""
+
+    def __init__(self, most: int) -> None:
+        self.dropped = 0
+        self.wake = threading.Event()
+        self._most = most
+        self._lock = threading.Lock()
+        self._bytes = 0
+        self._items: list[tuple[Track, bytes, dict[str, Any]]] = []
+
+    def put(self, track: Track, data: bytes, info: dict[str, Any]) -> None:
+        """Add a message; if there is no space for it, it is dropped and counted."""
+        with self._lock:
+            if self._bytes + len(data) > self._most:
+                self.dropped += 1
+                return
+            self._bytes += len(data)
+            self._items.append((track, data, info))
+        if 2 * self._bytes > self._most:
+            self.wake.set()
+
+    def take(self) -> list[tuple[Track, bytes, dict[str, Any]]]:
+        """Remove and return all messages, in the order in which they were added."""
+        with self._lock:
+            items, self._items, self._bytes = self._items, [], 0
+        return items
+
+    def wait(self, timeout: float) -> None:
+        """Wait until the buffer is half full, or the time is up."""
+        self.wake.wait(timeout)
+        self.wake.clear()

@@ -16,8 +16,8 @@ from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.read_parameters import default_by_use, of_another_node
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
-from ros2lab.diagnose.sources.given_names import argument_of, bound_to, calls_of, first_texts, names_given
 from ros2lab.diagnose.sources.interfaces import node_members
+from ros2lab.diagnose.sources.literals import argument_of, bound_to, calls_of, first_texts, names_given
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, given_to, parameters, read_text
 from ros2lab.diagnose.sources.spelling import nearest

@@ -8,11 +8,10 @@ import sys
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 
-from ros2lab.diagnose.code.at_hand import as_at_hand, as_exception, as_method
+from ros2lab.diagnose.code.at_hand import as_at_hand, as_exception, as_method, as_path, as_text
 from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.similar_names import as_another, as_foreign
 from ros2lab.diagnose.code.unknown_names import Unknown, as_code, cause_of, compared, first_value
-from ros2lab.diagnose.code.unquoted_texts import as_path, as_text
 from ros2lab.diagnose.finding import these_lines
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.commented_out import put_back

@@ -6,7 +6,7 @@ import re
 import sys
 from collections.abc import Sequence
 
-from ros2lab.diagnose.code.block_edits import depth_of, in_words, level_of
+from ros2lab.diagnose.code.line_edits import depth_of, in_words, level_of
 from ros2lab.diagnose.code.merge_conflicts import conflict_in
 from ros2lab.diagnose.code.repair import Repair
 from ros2lab.diagnose.code.syntax_repairs import repairs_of

@@ -10,8 +10,7 @@ import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from ros2lab.diagnose.code.block_edits import depth_of, is_code, is_definition, moves_of
-from ros2lab.diagnose.code.line_edits import edits_of, ends_of
+from ros2lab.diagnose.code.line_edits import depth_of, edits_of, ends_of, is_code, is_definition, moves_of
 from ros2lab.diagnose.code.other_languages import in_pythons_words
 from ros2lab.diagnose.code.repair import Repair
 from ros2lab.diagnose.code.sense import nonsense

@@ -9,9 +9,8 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from ros2lab.diagnose.explaining.colcon_commands import of_colcon
 from ros2lab.diagnose.explaining.typed_message import as_message, misfit, read_as
-from ros2lab.diagnose.explaining.usage import accepted_form, plain_words
+from ros2lab.diagnose.explaining.usage import accepted_form, of_colcon, plain_words
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.names_there import all_service_ends, declared_parameters, node_names, topic_ends

@@ -15,9 +15,9 @@ from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
 from ros2lab.diagnose.causes.later_calls import of_later_call, of_lone_argument
 from ros2lab.diagnose.causes.raised_in_callbacks import of_own_raise
 from ros2lab.diagnose.causes.refused_names import of_refused_name, of_refused_rule
-from ros2lab.diagnose.causes.ros_arguments import of_ros_arguments
 from ros2lab.diagnose.causes.shadowed import of_namesake, of_shadow
 from ros2lab.diagnose.causes.taken import of_parameters, of_taken
+from ros2lab.diagnose.causes.terminal_variables import of_ros_arguments
 from ros2lab.diagnose.causes.undeclared_arguments import undeclared_argument
 from ros2lab.diagnose.causes.waited import of_unanswered
 from ros2lab.diagnose.causes.where_made import where_made

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from ros2lab.diagnose.causes.filled import published
-from ros2lab.diagnose.causes.not_running import shut_by
+from ros2lab.diagnose.causes.init_order import shut_by
 from ros2lab.diagnose.causes.python_says import of_error, of_function
 from ros2lab.diagnose.causes.undeclared_arguments import default_of
 from ros2lab.diagnose.checking.later_results import of_future

@@ -17,7 +17,7 @@ from ros2lab.diagnose.causes.origins import Origin
 from ros2lab.diagnose.checking.checked_copies import RULES, checked
 from ros2lab.diagnose.checking.edits import Edit, edits_told
 from ros2lab.diagnose.checking.trials import UNKNOWN_TYPE, Trial, statement_of, type_of
-from ros2lab.diagnose.code.unquoted_texts import IF_TEXT
+from ros2lab.diagnose.code.at_hand import IF_TEXT
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.mending.changes import LESS, MOST, MOST_TOLD, Change, changes_of, origins_of

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
-from ros2lab.grading.evidence import Evidence, Run
-from ros2lab.grading.judging.player import Match, Player, is_busy
+from ros2lab.grading.evidence import Evidence, Run, WrittenEnd
+from ros2lab.grading.judging.player import STAND_IN, Match, Player, is_busy
 from ros2lab.grading.judging.reactions import effects_of, is_followed
 from ros2lab.rhythm import between, has_period
 
@@ -101,3 +101,24 @@ def is_alike(evidence: Evidence, assignment: Assignment, candidate: Candidate) -
         )
         is_done &= not is_owned
     return is_known or (is_done and not is_busy(assignment, part, node, run, topic))
+
+
+def with_like_types(
+    types: Iterable[str], topic: str, ends: Iterable[WrittenEnd], assignment: Assignment
+) -> list[str]:
+    """Return a topic's types, and for a stand-in the type of the assignment that has the name of the one in the code.
+
+    So a node is found by it as by a topic that is nearly right; its type is wrong all the same.
+    """
+    types = [*types]
+    if STAND_IN not in types:
+        return types
+    there = [end for end in ends if end.topic == topic]
+    parts = assignment.parts.values()
+    like = (part.type_name for part in parts if any(is_like_type(end, part) for end in there))
+    return [*types, *dict.fromkeys(like)]
+
+
+def is_like_type(end: WrittenEnd, part: Part) -> bool:
+    """Return whether the type of an end in the code has the name of a part's type."""
+    return end.type_name.rpartition("/")[2] == part.short_type

@@ -9,10 +9,17 @@ from pathlib import PurePosixPath
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.evidence import Evidence, Executable, Run, WrittenEnd
-from ros2lab.grading.judging.by_type import Candidate, is_alike, match_by_type, rightful, without_intruders
+from ros2lab.grading.judging.by_type import (
+    Candidate,
+    is_alike,
+    is_like_type,
+    match_by_type,
+    rightful,
+    with_like_types,
+    without_intruders,
+)
 from ros2lab.grading.judging.deaf import without_deaf
 from ros2lab.grading.judging.doubled import Node, doubled
-from ros2lab.grading.judging.like_types import is_like_type, with_like_types
 from ros2lab.grading.judging.player import (
     MATCHES,
     PLAIN_SETTINGS,

@@ -26,10 +26,9 @@ from ros2lab.grading.judging.commanded import (
     unsent_by,
     words_of,
 )
-from ros2lab.grading.judging.fallback import taken_for_unknown
 from ros2lab.grading.judging.player import Player, stamped
 from ros2lab.grading.judging.players import Case
-from ros2lab.grading.judging.told_again import told_by_place
+from ros2lab.grading.judging.told_again import taken_for_unknown, told_by_place
 from ros2lab.grading.questions import nodes
 from ros2lab.grading.questions.answer import Answer, ended, last_word, listed, question, raised_at, shown
 from ros2lab.grading.reading.deeds import COMPARES, LOGS, READS

@@ -43,10 +43,12 @@ from ros2lab.grading.reading.launch_files import (
     launch_files,
     launching,
     packages_named,
+    programs_named,
+    programs_of,
+    those_that_start_most_first,
     uncommented,
     without_comments,
 )
-from ros2lab.grading.reading.launch_order import programs_named, programs_of, those_that_start_most_first
 from ros2lab.grading.reading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.reading.tests_handed_in import test_files, tests_of
 from ros2lab.grading.reading.unread import OF_CODE, OF_EACH_FILE, Tell, is_open, legible, read_all, told
