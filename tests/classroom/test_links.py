@@ -6,7 +6,7 @@ import pytest
 from nbconvert.filters.markdown_mistune import markdown2html_mistune
 from nbformat import v4
 
-from ros2lab.classroom.links import disarm
+from ros2lab.classroom.autograde import disarm
 
 
 @pytest.mark.parametrize(

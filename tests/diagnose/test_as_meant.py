@@ -10,7 +10,7 @@ import pytest
 from right_workspace import right_workspace
 
 from ros2lab.diagnose import of_text, of_workspace
-from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.code.syntax_repairs import syntax_finding
 from ros2lab.diagnose.explaining.commands import corrected
 from ros2lab.diagnose.explaining.usage import accepted_form
 from ros2lab.diagnose.look import Look

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 from slips import Slip, unreadable
 
-from ros2lab.diagnose.code.syntax import syntax_finding
-from ros2lab.diagnose.code.syntax_repairs import repairs_of
+from ros2lab.diagnose.code.syntax_repairs import repairs_of, syntax_finding
 from ros2lab.diagnose.sources.python_source import PythonSource
 
 PACKAGE = Path(__file__).parents[2] / "robot_controller"

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from ros2lab.diagnose.code.syntax import syntax_finding
-from ros2lab.diagnose.code.syntax_repairs import repairs_of
+from ros2lab.diagnose.code.syntax_repairs import repairs_of, syntax_finding
 from ros2lab.diagnose.sources.python_source import read_source
 
 _RIGHT = """\

@@ -13,7 +13,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.rules import text_faults
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
 from ros2lab.grading.evidence import WrittenEnd
-from ros2lab.grading.reading.corrected import corrected
+from ros2lab.grading.reading.diagnosed import corrected
 from ros2lab.grading.reading.written_ends import ends_elsewhere, ends_left, hidden_ends, written_ends
 
 WORDS = ("start", "stop", "reset")

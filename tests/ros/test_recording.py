@@ -29,7 +29,7 @@ from portable_ros2.bags.mcap_file import RecordingWriter
 from portable_ros2.bags.offers import qos_text, replayed_qos
 from ros2lab import Recording, course, environment, read_recording
 from ros2lab.recording import Recorder
-from ros2lab.recording.track import Track
+from ros2lab.recording.subscriptions import Track
 from ros2lab.session import LabSession
 from ros2lab.widgets.twist_plot import twist_figure
 from ros2lab.workspace import Workspace

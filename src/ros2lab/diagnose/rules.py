@@ -18,7 +18,7 @@ from ros2lab.diagnose.code.locks import lock_faults
 from ros2lab.diagnose.code.lost_parameters import lost_parameters
 from ros2lab.diagnose.code.one_time import one_time_faults
 from ros2lab.diagnose.code.private_names import private_name_faults
-from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.code.syntax_repairs import syntax_finding
 from ros2lab.diagnose.code.units import unit_faults
 from ros2lab.diagnose.finding import Finding, ranked, stops_node
 from ros2lab.diagnose.net import changed, guarded

@@ -19,9 +19,8 @@ from portable_ros2.bags.mcap_file import RecordingWriter
 from ros2lab import course
 from ros2lab.interrupts import interrupted_says
 from ros2lab.recording.files import new_file
-from ros2lab.recording.subscriptions import Subscriptions
+from ros2lab.recording.subscriptions import Subscriptions, Track
 from ros2lab.recording.tables import counted, html_table, text_table
-from ros2lab.recording.track import Track
 
 if TYPE_CHECKING:
     from rclpy.node import Node

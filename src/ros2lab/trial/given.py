@@ -16,7 +16,7 @@ from ros2lab.diagnose.nodes.topic_faults import End, ends_of
 from ros2lab.diagnose.printed.error_text import ErrorReport, read_error
 from ros2lab.diagnose.printed.spots import spot_of
 from ros2lab.every_node import HIDDEN_TOPICS
-from ros2lab.grading.code.contents import Contents, Values, compared_by
+from ros2lab.grading.code.compared import Contents, Values, compared_by
 from ros2lab.grading.evidence import Run, ServiceCall
 from ros2lab.observed_domain import TEXTS
 from ros2lab.trial.contents import leaves_of

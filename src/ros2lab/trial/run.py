@@ -24,7 +24,7 @@ from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.domain_lease import leased
-from ros2lab.grading.code.contents import MOST_WORDS, Contents
+from ros2lab.grading.code.compared import MOST_WORDS, Contents
 from ros2lab.grading.evidence import GIVEN, Run
 from ros2lab.grading.sandbox.box import Box, Limits
 from ros2lab.grading.sandbox.open_world import OpenWorld

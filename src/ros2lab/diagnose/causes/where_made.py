@@ -6,14 +6,12 @@ import ast
 from collections.abc import Iterator
 
 from ros2lab.diagnose.causes.class_bodies import of_class_body
-from ros2lab.diagnose.causes.clock_types import of_clock_types
 from ros2lab.diagnose.causes.elements import key_asked
-from ros2lab.diagnose.causes.filled import of_filled, of_item
 from ros2lab.diagnose.causes.format_texts import of_format
-from ros2lab.diagnose.causes.interface_parts import of_part
+from ros2lab.diagnose.causes.interface_parts import of_clock_types, of_part
 from ros2lab.diagnose.causes.origins import of_argument, of_origin, of_parameter
 from ros2lab.diagnose.causes.read_keys import of_data_file, of_read_key
-from ros2lab.diagnose.causes.refused_value import of_refused
+from ros2lab.diagnose.causes.refused_value import of_filled, of_item, of_refused
 from ros2lab.diagnose.causes.terminal_variables import of_variable
 from ros2lab.diagnose.causes.unfit_parameters import of_unfit_parameter
 from ros2lab.diagnose.causes.wrong_literals import of_wrong_literal

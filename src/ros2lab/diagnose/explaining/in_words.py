@@ -8,19 +8,19 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from ros2lab.diagnose.causes.filled import published
 from ros2lab.diagnose.causes.init_order import shut_by
 from ros2lab.diagnose.causes.python_says import of_error, of_function
+from ros2lab.diagnose.causes.refused_value import published
 from ros2lab.diagnose.causes.undeclared_arguments import default_of
 from ros2lab.diagnose.checking.later_results import of_future
 from ros2lab.diagnose.checking.members import in_place_of, without_like
 from ros2lab.diagnose.code.bound_names import global_names
 from ros2lab.diagnose.code.meant_names import meant, used_too_early
-from ros2lab.diagnose.code.syntax import explained
+from ros2lab.diagnose.code.syntax_repairs import explained
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.not_found import below_folders, no_module, wrong_import
 from ros2lab.diagnose.explaining.not_set import as_written, not_set
-from ros2lab.diagnose.explaining.substituted import substituted
+from ros2lab.diagnose.explaining.typed_settings import substituted
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.message_faults import filling, set_field

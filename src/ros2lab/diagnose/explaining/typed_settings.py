@@ -1,7 +1,9 @@
-"""What a command sets for a program that cannot take it: the rules of launch files, asked about `ros2 run`."""
+"""What a command, or a launch file by a substitution, sets for a program that cannot take it."""
 
 from __future__ import annotations
 
+import ast
+import contextlib
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -14,6 +16,7 @@ from ros2lab.diagnose.launching.remapped_names import unknown_names
 from ros2lab.diagnose.launching.started_faults import started_in
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
+from ros2lab.diagnose.printed.spots import Spot
 from ros2lab.diagnose.printed.transcript import words_in
 
 
@@ -50,3 +53,30 @@ def _run(words: Sequence[str]) -> Iterator[Launched]:
             values = {name: value_of(value) for name, value in set_ if ":" not in name}
             name, space = given.get("__node") or given.get("__name"), given.get("__ns", "")
             yield Launched(package, program, name, (), moved, "", space, given=(values,))
+
+
+_PYTHONS = {"STRING": str, "DOUBLE": float, "INTEGER": int}
+
+
+def substituted(name: str, value: str, wanted: str, spot: Spot) -> str:
+    """Say how to give a parameter another type where a line of a launch file sets it by substitutions; else empty."""
+    kind = _PYTHONS.get(wanted)
+    with contextlib.suppress(ValueError):
+        kind = kind if kind and str(kind(value)) else None
+        if kind and "<param" in spot.text and "$(" in spot.text:
+            return f'write type="{kind.__name__}" in this <param>, too: without it, YAML tells the type by the value'
+        for given in (node for node in spot.whole if isinstance(node, ast.Dict)):
+            for key, made in zip(given.keys, given.values, strict=True):
+                if kind and getattr(key, "value", "") == name and _is_substitution(made, spot):
+                    new = f"{key and ast.unparse(key)}: ParameterValue({ast.unparse(made)}, value_type={kind.__name__})"
+                    return f"write `{new}`, with `from launch_ros.parameter_descriptions import ParameterValue` at the top: without it, YAML tells the type by the value"
+    return ""
+
+
+def _is_substitution(made: ast.expr, spot: Spot) -> bool:
+    """Return whether launch makes a value: a substitution, or a list with one."""
+    kept = spot.file.written(made)
+    parts = kept.elts if isinstance(kept, (ast.List, ast.Tuple)) else [kept]
+    calls = [part.func for part in map(spot.file.written, parts) if isinstance(part, ast.Call)]
+    names = [spot.file.resolve(called) or "" for called in calls]
+    return any(name.startswith("launch") and not name.endswith(".ParameterValue") for name in names)

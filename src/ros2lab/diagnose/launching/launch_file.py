@@ -14,7 +14,7 @@ from ros2lab.diagnose.code.bound_names import bound_in, undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, is_by_comma, path_faults, tuple_by_comma
 from ros2lab.diagnose.code.meant_names import meant
 from ros2lab.diagnose.code.merge_conflicts import conflict_in
-from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.code.syntax_repairs import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.launching.entity_words import entity_repair

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from shlex import quote
 
-from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.code.syntax_repairs import syntax_finding
 from ros2lab.diagnose.finding import Finding, in_a_row, shown_path
 from ros2lab.diagnose.packaging.installed import edited, prefix_of
 from ros2lab.diagnose.packaging.own_test_faults import own_test_faults

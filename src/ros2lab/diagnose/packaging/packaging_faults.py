@@ -18,7 +18,7 @@ from ros2lab.diagnose.code.bound_names import undefined_names
 from ros2lab.diagnose.code.expression_faults import comma_faults, keys_twice, path_faults
 from ros2lab.diagnose.code.listed_packages import needed_packages, not_listed
 from ros2lab.diagnose.code.meant_names import meant
-from ros2lab.diagnose.code.syntax import syntax_finding
+from ros2lab.diagnose.code.syntax_repairs import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at, in_a_row, line_with
 from ros2lab.diagnose.packaging.entry_point_faults import entry_point_faults

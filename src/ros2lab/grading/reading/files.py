@@ -25,15 +25,13 @@ from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.code.branches import branches
-from ros2lab.grading.code.compared import compared
-from ros2lab.grading.code.contents import contents_of
+from ros2lab.grading.code.compared import compared, contents_of
 from ros2lab.grading.code.dependence import depended_on
 from ros2lab.grading.code.running import Code, idle, running
 from ros2lab.grading.code.vain_handlers import VainHandlers
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
-from ros2lab.grading.reading.corrected import all_corrected
 from ros2lab.grading.reading.described import described
-from ros2lab.grading.reading.diagnosed import diagnosed, findings_of, in_evidence
+from ros2lab.grading.reading.diagnosed import all_corrected, diagnosed, findings_of, in_evidence
 from ros2lab.grading.reading.documents import foreign_names, named_in, readmes, recordings, unrendered
 from ros2lab.grading.reading.graded_package import Package, has_code
 from ros2lab.grading.reading.launch_files import (

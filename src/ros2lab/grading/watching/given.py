@@ -12,7 +12,7 @@ from typing import Any
 from rclpy._rclpy_pybind11 import NodeNameNonExistentError
 
 from ros2lab.every_node import HIDDEN_TOPICS
-from ros2lab.grading.code.contents import Contents
+from ros2lab.grading.code.compared import Contents
 from ros2lab.grading.watching.ear import plain
 from ros2lab.grading.watching.made_up import Filler
 from ros2lab.grading.watching.watch import NODES, OF_EVERY_NODE, TOPICS, Watch

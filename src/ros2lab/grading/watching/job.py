@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from ros2lab.diagnose.printed.ignored import without_ignored
-from ros2lab.grading.code.contents import Contents
+from ros2lab.grading.code.compared import Contents
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
 from ros2lab.grading.reading.stand_in import SAYS_YES
 from ros2lab.grading.sandbox.box import Box
