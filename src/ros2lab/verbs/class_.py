@@ -7,7 +7,6 @@ import signal
 import sqlite3
 import statistics
 import sys
-import types
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from datetime import datetime
@@ -16,6 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+
+from ros2lab.verbs.grade import AssignmentFolder, Ended, RubricFile, ended_by
 
 if TYPE_CHECKING:
     from ros2lab.classroom.gradebook import Row
@@ -29,15 +30,6 @@ class_ = typer.Typer(
 )
 
 _Grades = Annotated[Path, typer.Argument(metavar="[GRADES]", help="The folder with the gradebook.")]
-_Assignment = Annotated[
-    Path | None,
-    typer.Option(
-        "--assignment", help="A folder with assignment.yaml and rubric.yaml, instead of the course's."
-    ),
-]
-_Rubric = Annotated[
-    Path | None, typer.Option("--rubric", help="A rubric of your own, instead of the course's.")
-]
 _By = Annotated[str, typer.Option("--by", help="Who decides; your login if nothing is said.")]
 
 
@@ -100,8 +92,8 @@ def grade(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Say what would be graded and why not the rest, and do nothing.")
     ] = False,
-    assignment: _Assignment = None,
-    rubric: _Rubric = None,
+    assignment: AssignmentFolder = None,
+    rubric: RubricFile = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="Say only what is wrong.")] = False,
     as_json: Annotated[
         bool, typer.Option("--json", help="Say what happens as lines of JSON, on standard output.")
@@ -177,8 +169,8 @@ def regrade(
             "--overrides", help="A CSV with student, criterion, points, comment and by; the decisions stay."
         ),
     ] = None,
-    assignment: _Assignment = None,
-    rubric: _Rubric = None,
+    assignment: AssignmentFolder = None,
+    rubric: RubricFile = None,
 ) -> None:
     """Judge the whole class again from what was seen, without a run: by another rubric, or with your decisions.
 
@@ -225,8 +217,8 @@ def override(
     withdraw: Annotated[
         bool, typer.Option("--withdraw", help="Let the machine's points count again.")
     ] = False,
-    assignment: _Assignment = None,
-    rubric: _Rubric = None,
+    assignment: AssignmentFolder = None,
+    rubric: RubricFile = None,
 ) -> None:
     """Decide yourself what a criterion of one student is worth. The decision survives every regrade."""
     with _told_in_a_sentence("nothing was decided"):
@@ -266,8 +258,8 @@ def report(
             "--template", help="A folder or file that all were given: likeness to it does not count."
         ),
     ] = None,
-    assignment: _Assignment = None,
-    rubric: _Rubric = None,
+    assignment: AssignmentFolder = None,
+    rubric: RubricFile = None,
 ) -> None:
     """Write one page about the class: points, losses, what needs a look, and who has handed in the same.
 
@@ -354,42 +346,25 @@ def _login() -> str:
     return getpass.getuser()
 
 
-class _Ended(BaseException):
-    """A signal asks for the end."""
-
-
-def _end(number: int, _frame: types.FrameType | None) -> None:
-    signal.signal(number, signal.SIG_IGN)  # what is cleaned up now is cleaned up whole
-    raise _Ended(number)
-
-
 @contextmanager
 def _told_in_a_sentence(how_to_go_on: str) -> Iterator[None]:
     """End the command with a sentence and its exit code, where it cannot go on; also where a signal ends it."""
-    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
-    handlers = {
-        number: signal.signal(number, _end)
-        for number in numbers
-        if signal.getsignal(number) != signal.SIG_IGN
-    }
     try:
-        from ros2lab.classroom.handed_in import ClassError  # noqa: PLC0415
-        from ros2lab.classroom.one import CannotGrade  # noqa: PLC0415
+        with ended_by(signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            from ros2lab.classroom.handed_in import ClassError  # noqa: PLC0415
+            from ros2lab.classroom.one import CannotGrade  # noqa: PLC0415
 
-        try:
-            yield
-        except ClassError as error:
-            code, text = USAGE_ERROR, str(error)
-        except CannotGrade as error:
-            code, text = CANNOT_GRADE, str(error)
-        else:
-            return
-    except _Ended as error:
+            try:
+                yield
+            except ClassError as error:
+                code, text = USAGE_ERROR, str(error)
+            except CannotGrade as error:
+                code, text = CANNOT_GRADE, str(error)
+            else:
+                return
+    except Ended as error:
         code, text = 128 + error.args[0], f"Interrupted, and everything was ended; {how_to_go_on}."
     except (OSError, sqlite3.Error) as error:
         code, text = CANNOT_GRADE, f"This cannot be done here: {error}; {how_to_go_on}."
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
     print(text, file=sys.stderr)
     raise typer.Exit(code)

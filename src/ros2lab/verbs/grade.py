@@ -36,10 +36,10 @@ _GitHub = Annotated[
     Path | None, typer.Option("--github", help="Write annotations of GitHub Actions; - prints them.")
 ]
 _JUnit = Annotated[Path | None, typer.Option("--junit", help="Write JUnit's XML.")]
-_Rubric = Annotated[
+RubricFile = Annotated[
     Path | None, typer.Option("--rubric", help="A rubric of your own, instead of the course's.")
 ]
-_Assignment = Annotated[
+AssignmentFolder = Annotated[
     Path | None,
     typer.Option(
         "--assignment", help="A folder with assignment.yaml and rubric.yaml, instead of the course's."
@@ -144,8 +144,8 @@ def grade(
     gradescope: _Gradescope = None,
     github: _GitHub = None,
     junit: _JUnit = None,
-    assignment: _Assignment = None,
-    rubric: _Rubric = None,
+    assignment: AssignmentFolder = None,
+    rubric: RubricFile = None,
     overrides: _Overrides = None,
     evidence: Annotated[
         Path | None, typer.Option("--evidence", help="Write what was seen, for `ros2lab regrade`.")
@@ -202,8 +202,8 @@ def regrade(
     gradescope: _Gradescope = None,
     github: _GitHub = None,
     junit: _JUnit = None,
-    assignment: _Assignment = None,
-    rubric: _Rubric = None,
+    assignment: AssignmentFolder = None,
+    rubric: RubricFile = None,
     overrides: _Overrides = None,
 ) -> None:
     """Grade again what was seen before, without another run: with another rubric, or with your decisions."""
@@ -316,33 +316,44 @@ def _own_workspace() -> Path:
     raise UsageError(f"There is no {name} here or in {course.work_folder()}; go to your workspace.")
 
 
-class _Ended(BaseException):
+class Ended(BaseException):
     """A signal asks for the end."""
 
 
 def _end(number: int, _frame: object) -> None:
     signal.signal(number, signal.SIG_IGN)  # what is cleaned up now is cleaned up whole
-    raise _Ended(number)
+    raise Ended(number)
+
+
+@contextmanager
+def ended_by(*numbers: int) -> Iterator[None]:
+    """Let each of some signals that is not ignored end what runs inside."""
+    heard = [number for number in numbers if signal.getsignal(number) != signal.SIG_IGN]
+    handlers = {number: signal.signal(number, _end) for number in heard}
+    try:
+        yield
+    finally:
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
 
 
 @contextmanager
 def told_in_a_sentence() -> Iterator[None]:
     """End the command with a sentence and its exit code, where it cannot go on; also where a signal ends it."""
-    numbers = [n for n in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(n) != signal.SIG_IGN]
-    handlers = {number: signal.signal(number, _end) for number in numbers}
     try:
-        from ros2lab.grading.sandbox.box import SandboxMissing  # noqa: PLC0415
+        with ended_by(signal.SIGTERM, signal.SIGHUP):
+            from ros2lab.grading.sandbox.box import SandboxMissing  # noqa: PLC0415
 
-        try:
-            yield
-        except (SandboxMissing, RuntimeError) as error:
-            code, text = CANNOT_GRADE, str(error)
-        else:
-            return
+            try:
+                yield
+            except (SandboxMissing, RuntimeError) as error:
+                code, text = CANNOT_GRADE, str(error)
+            else:
+                return
     except UsageError as error:
         code, text = USAGE_ERROR, str(error)
-    except (KeyboardInterrupt, _Ended) as error:
-        number = error.args[0] if isinstance(error, _Ended) else signal.SIGINT
+    except (KeyboardInterrupt, Ended) as error:
+        number = error.args[0] if isinstance(error, Ended) else signal.SIGINT
         code, text = 128 + number, "Interrupted: everything was ended, and nothing was written."
     except OSError as error:
         code, text = CANNOT_GRADE, f"This cannot be graded here: {error}."
@@ -353,9 +364,6 @@ def told_in_a_sentence() -> Iterator[None]:
             f"The grader itself has failed, which is no fault of the submission: {type(error).__name__}: {error} "
             f"({Path(place.filename).name}, line {place.lineno}). Please report it."
         )
-    finally:
-        for number, handler in handlers.items():
-            signal.signal(number, handler)
     _tell(text)
     raise typer.Exit(code)
 
