@@ -4,7 +4,7 @@
 
 const TEXT_PERIOD = 200; // ms between two changes of texts and numbers, which nobody reads faster
 const HIDDEN_FOR = 1000; // ms after which Python is told that nobody looks any more
-const FIRST_PATIENCE = 500; // ms until Python is told again, if it did not answer
+const FIRST_PATIENCE = 500; // ms until Python is told or asked again, if it did not answer
 
 const page = (globalThis[Symbol.for("ros2lab.page")] ??= (() => {
   const waiting = new Map(); // draw function -> from when on and until when it wants to be called (ms)
@@ -153,6 +153,14 @@ function cleared(canvas, width, height, paper = null) {
   pen.fillStyle = paper ?? "transparent";
   pen.fillRect(0, 0, width, height);
   return pen;
+}
+
+// Asks Python for all that there is. JupyterLab may lose a message right after a page is loaded, so ask until there is
+// an answer.
+function askFor(what, model, state, patience = FIRST_PATIENCE) {
+  if (state.isWhole) return;
+  model.send({ ask: what });
+  setTimeout(askFor, patience, what, model, state, 2 * patience);
 }
 
 const crisp = (length) => Math.round(length) + 0.5; // where a line of 1 px fills one

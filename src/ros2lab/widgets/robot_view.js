@@ -57,14 +57,7 @@ export default () => {
       state.robots.forEach((robot, i) => (robot.ahead = points(message.ahead[i])));
       if (message.is_whole) state.isWhole = true;
     });
-    askForTrail(model, 500);
-  }
-
-  // JupyterLab may lose a message right after a page is loaded, so ask until there is an answer.
-  function askForTrail(model, patience) {
-    if (state.isWhole) return;
-    model.send({ ask: "trail" });
-    setTimeout(() => askForTrail(model, 2 * patience), patience);
+    askFor("trail", model, state);
   }
 
   function render({ model, el }) {

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import anywidget
 import ipywidgets
+import traitlets
 from IPython.display import display, update_display
 from matplotlib.figure import Figure
 from matplotlib.font_manager import findfont, get_font
@@ -173,6 +174,31 @@ class StoredView(ipywidgets.DOMWidget):
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+class PausingView(StoredView):
+    """A stored view of what goes on, which may stand still.
+
+    Attributes:
+        paused: whether it stands still.
+    """
+
+    paused = traitlets.Bool(False).tag(sync=True)
+
+    def pause(self) -> None:
+        """Let the picture stand still, and store it in the notebook."""
+        self.paused = True
+
+    def resume(self) -> None:
+        """Go on, with everything that came in the meantime."""
+        self.paused = False
+
+    @traitlets.observe("paused")
+    def _on_paused(self, _: object) -> None:
+        if self.paused:
+            self._update_stored()
+            if self._container is not None:
+                self._container._update_stored()
 
 
 def check_session(session: object, widget: str) -> None:

@@ -29,14 +29,7 @@ export default () => {
       state.message = message;
       state.cameAt = message.age === null ? null : clock() - message.age;
     });
-    askForMessage(model, 500);
-  }
-
-  // JupyterLab may lose a message right after a page is loaded, so ask until there is an answer.
-  function askForMessage(model, patience) {
-    if (state.isWhole) return;
-    model.send({ ask: "message" });
-    setTimeout(() => askForMessage(model, 2 * patience), patience);
+    askFor("message", model, state);
   }
 
   function render({ model, el }) {

@@ -16,7 +16,7 @@ from ros2lab.message_tree import message_tree
 from ros2lab.session import LabSession
 from ros2lab.topics import find_type, matching_qos, one_type_a_topic, silence, type_name
 from ros2lab.widgets.redraw import redraw_of
-from ros2lab.widgets.stored_view import StoredView, check_session, resolved, style_sheet, text_figure
+from ros2lab.widgets.stored_view import PausingView, check_session, resolved, style_sheet, text_figure
 from ros2lab.widgets.watched import Watched, script
 
 RATE = 5.0  # Hz
@@ -25,7 +25,7 @@ LINES_IN_PICTURE = 40
 PICTURE_WIDTH = 100  # letters
 
 
-class TopicMonitor(StoredView, Watched):
+class TopicMonitor(PausingView, Watched):
     """Shows the newest message of a topic as a tree, with rate (Hz), jitter (ms), size (bytes) and age (s), live.
 
     Every message is counted, however fast they come; five times a second the newest is shown.
@@ -54,7 +54,6 @@ class TopicMonitor(StoredView, Watched):
     topic = traitlets.Unicode("", read_only=True).tag(sync=True)
     type_name = traitlets.Unicode("", read_only=True).tag(sync=True)
     note = traitlets.Unicode("", read_only=True).tag(sync=True)
-    paused = traitlets.Bool(False).tag(sync=True)
 
     def __init__(self, session: LabSession, topic: str, message_type: type | str | None = None) -> None:
         check_session(session, "TopicMonitor")
@@ -92,14 +91,6 @@ class TopicMonitor(StoredView, Watched):
         """How many messages came, and how regularly."""
         return self._arrivals.rhythm(time.monotonic())
 
-    def pause(self) -> None:
-        """Let the picture stand still, and store it in the notebook."""
-        self.paused = True
-
-    def resume(self) -> None:
-        """Go on with the newest message."""
-        self.paused = False
-
     def still(self) -> Figure:
         """Draw the newest message, as far as it fits, with matplotlib."""
         message = self.latest
@@ -127,13 +118,6 @@ class TopicMonitor(StoredView, Watched):
         texts += [f"{rhythm.rate:.1f} Hz"] if rhythm.rate is not None else []
         texts += [f"jitter {1000 * rhythm.jitter:.1f} ms"] if rhythm.jitter is not None else []
         return ", ".join(texts)
-
-    @traitlets.observe("paused")
-    def _on_paused(self, _: object) -> None:
-        if self.paused:
-            self._update_stored()
-            if self._container is not None:
-                self._container._update_stored()
 
     def _subscribe(self) -> None:
         """Listen as every publisher seen can serve.

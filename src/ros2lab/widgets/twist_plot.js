@@ -49,14 +49,7 @@ export default () => {
       if (model.get("paused")) state.pausedAt ??= now();
     });
     model.on("change:paused", () => (state.pausedAt = model.get("paused") ? now() : null));
-    askForSamples(model, 500);
-  }
-
-  // JupyterLab may lose a message right after a page is loaded, so ask until there is an answer.
-  function askForSamples(model, patience) {
-    if (state.isWhole) return;
-    model.send({ ask: "samples" });
-    setTimeout(() => askForSamples(model, 2 * patience), patience);
+    askFor("samples", model, state);
   }
 
   function render({ model, el }) {

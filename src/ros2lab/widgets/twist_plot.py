@@ -16,7 +16,7 @@ from ros2lab.recording import Recording
 from ros2lab.session import LabSession
 from ros2lab.topics import Sample
 from ros2lab.widgets.source import source_of
-from ros2lab.widgets.stored_view import StoredView, check_number, style_sheet
+from ros2lab.widgets.stored_view import PausingView, check_number, style_sheet
 from ros2lab.widgets.watched import Watched, script
 
 SHORTEST_WINDOW = 1.0  # s
@@ -28,7 +28,7 @@ LINEAR_LINE: dict[str, Any] = {"color": "#0072B2", "linestyle": "-", "linewidth"
 ANGULAR_LINE: dict[str, Any] = {"color": "#D55E00", "linestyle": (0, (4, 1.5)), "linewidth": 1.8}
 
 
-class TwistPlot(StoredView, Watched):
+class TwistPlot(PausingView, Watched):
     """Shows linear x (m/s) and angular z (rad/s) of a `geometry_msgs/Twist` topic against time (s), live.
 
     Time counts from the making of the plot. Showing it in a cell stores a picture in the notebook, too.
@@ -60,7 +60,6 @@ class TwistPlot(StoredView, Watched):
     window = traitlets.Float(10.0).tag(sync=True)
     window_range = traitlets.List([SHORTEST_WINDOW, LONGEST_WINDOW], read_only=True).tag(sync=True)
     rate = traitlets.Float(10.0, read_only=True).tag(sync=True)
-    paused = traitlets.Bool(False).tag(sync=True)
     # Of a recording: its name, its time in s, and rows of float32: s, m/s, rad/s.
     recording = traitlets.Unicode(read_only=True).tag(sync=True)
     span = traitlets.Float(None, allow_none=True, read_only=True).tag(sync=True)
@@ -94,14 +93,6 @@ class TwistPlot(StoredView, Watched):
         self._open_in(self._source.home, topic)
         self._redraw.add(self._send_new, rate, while_=self.is_watched)
 
-    def pause(self) -> None:
-        """Let the picture stand still, and store it in the notebook."""
-        self.paused = True
-
-    def resume(self) -> None:
-        """Go on, with everything that came in the meantime."""
-        self.paused = False
-
     def still(self) -> Figure:
         """Draw all samples of the log with matplotlib."""
         return twist_figure(*_rows(self.topic_log.samples(), self._epoch).T, topic=self.topic)
@@ -121,13 +112,6 @@ class TwistPlot(StoredView, Watched):
     @traitlets.validate("window")
     def _clamp_window(self, proposal: dict[str, Any]) -> float:
         return float(np.clip(proposal["value"], SHORTEST_WINDOW, LONGEST_WINDOW))
-
-    @traitlets.observe("paused")
-    def _on_paused(self, _: object) -> None:
-        if self.paused:
-            self._update_stored()
-            if self._container is not None:
-                self._container._update_stored()
 
     def _on_message(self, _: object, content: Any, __: object) -> None:
         if content == {"ask": "samples"}:
