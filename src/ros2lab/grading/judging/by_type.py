@@ -8,7 +8,7 @@ from typing import NamedTuple
 from ros2lab.assignments import Assignment, Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.evidence import Evidence, Run, WrittenEnd
-from ros2lab.grading.judging.player import STAND_IN, Match, Player, is_busy
+from ros2lab.grading.judging.player import STAND_IN, Match, Player, is_busy, stamped
 from ros2lab.grading.judging.reactions import effects_of, is_followed
 from ros2lab.rhythm import between, has_period
 
@@ -122,3 +122,10 @@ def with_like_types(
 def is_like_type(end: WrittenEnd, part: Part) -> bool:
     """Return whether the type of an end in the code has the name of a part's type."""
     return end.type_name.rpartition("/")[2] == part.short_type
+
+
+def may_end(end: WrittenEnd, part: Part) -> bool:
+    """Return whether an end that the code makes may belong to a part."""
+    types = ("", part.type_name, stamped(part.type_name))
+    is_like = end.type_name in types or is_like_type(end, part) or is_near_topic(end.topic, part.topic)
+    return end.is_publisher is part.is_publisher and (is_like or end.topic == part.topic)

@@ -12,8 +12,8 @@ from ros2lab.grading.evidence import Evidence, Executable, Run, WrittenEnd
 from ros2lab.grading.judging.by_type import (
     Candidate,
     is_alike,
-    is_like_type,
     match_by_type,
+    may_end,
     rightful,
     with_like_types,
     without_intruders,
@@ -38,13 +38,6 @@ from ros2lab.grading.reading.deeds import PUBLISHES, READS
 from ros2lab.grading.reading.unread import noted
 
 MOST_PLAYERS = 10  # nodes that are considered for one part
-
-
-def may_end(end: WrittenEnd, part: Part) -> bool:
-    """Return whether an end that the code makes may belong to a part."""
-    types = ("", part.type_name, stamped(part.type_name))
-    is_like = end.type_name in types or is_like_type(end, part) or is_near_topic(end.topic, part.topic)
-    return end.is_publisher is part.is_publisher and (is_like or end.topic == part.topic)
 
 
 class Case:

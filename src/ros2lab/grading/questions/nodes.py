@@ -8,10 +8,10 @@ from collections.abc import Iterator
 from ros2lab.assignments import Part
 from ros2lab.diagnose.sources.spelling import is_near_topic
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Run
-from ros2lab.grading.judging.by_type import owners_of
+from ros2lab.grading.judging.by_type import may_end, owners_of
 from ros2lab.grading.judging.excuses import unused
 from ros2lab.grading.judging.player import PLAIN_SETTINGS, STAND_IN, Player, is_for_want, of_one_node, stamped
-from ros2lab.grading.judging.players import Case, may_end
+from ros2lab.grading.judging.players import Case
 from ros2lab.grading.judging.sisters import lost_sister
 from ros2lab.grading.questions.answer import Answer, ended, last_word, question, raised_at, shown, tells_error
 from ros2lab.grading.sandbox.keeper import is_limit

@@ -10,8 +10,8 @@ from pathlib import PurePosixPath
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import KEYBOARD, TIMED, Build, Executable, Files, Run
+from ros2lab.grading.judging.by_type import may_end
 from ros2lab.grading.judging.player import is_done, is_for_want, is_timers
-from ros2lab.grading.judging.players import may_end
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.grading.sandbox.worlds import FILES
 from ros2lab.grading.senses import is_still
