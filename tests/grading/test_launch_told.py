@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import evidences
 import pytest
 
+from ros2lab import environment
 from ros2lab.grading.evidence import TIMED
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
@@ -51,7 +51,7 @@ def generate_launch_description():
 def test_launch_tells_of_a_timer_that_ends_all(tmp_path: Path, action: str, is_timed: bool) -> None:
     file = tmp_path / "robot.launch.py"
     file.write_text(_FILE.format(action), encoding="utf-8")
-    environ = os.environ | {"ROS_LOG_DIR": str(tmp_path)}
+    environ = environment.lab_environment() | {"ROS_LOG_DIR": str(tmp_path)}
     done = subprocess.run(
         [*LAUNCH, str(file)], capture_output=True, text=True, env=environ, timeout=60, check=True
     )
