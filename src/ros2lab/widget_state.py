@@ -1,4 +1,4 @@
-"""The state of widgets in a saved notebook, from which JupyterLab shows them when their kernel has gone."""
+"""What widgets are once their kernel has gone: in the browser, and in a saved notebook, from which JupyterLab shows them."""
 
 from __future__ import annotations
 
@@ -6,14 +6,27 @@ import contextlib
 import json
 import re
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 WIDGET_VIEW = "application/vnd.jupyter.widget-view+json"
 WIDGET_STATE = "application/vnd.jupyter.widget-state+json"
 
 _ASIDE = "widgets of a notebook that is not trusted"
-
 _REFERENCE = re.compile(r'"IPY_MODEL_([0-9a-f-]+)"')
+_ENDING = Path(__file__).parent / "widgets" / "kernel_end.js"
+
+
+def ending_with_its_kernel(module: str | Path) -> str:
+    """Return the browser's part of a widget, which stands still, and says so, once its kernel has gone.
+
+    Args:
+        module: a module, or the file that holds it; its default export is a widget of anywidget, or makes one.
+    """
+    source = module.read_text(encoding="utf-8") if isinstance(module, Path) else module
+    own = source.replace("export default", "const ros2labWidget =", 1)
+    ending = _ENDING.read_text(encoding="utf-8")
+    return f"{own}\n{ending}\nexport default endingWithItsKernel(ros2labWidget);\n"
 
 
 def set_aside(notebook: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from portable_ros2.messages import FieldError, find_message, parse_values
 from ros2lab.diagnose import of_text
-from ros2lab.diagnose.printed.refusals import is_refusal
+from ros2lab.diagnose.printed.transcript import is_refusal
 
 
 @pytest.mark.parametrize("text", ["a: {b: 1}, c: 2", "{a: 1", "{a: b: c}", "3"])

@@ -17,8 +17,7 @@ import yaml
 
 from ros2lab import progress
 from ros2lab.checks.card import NO_FORMULA, inline
-from ros2lab.kernel_end import ending_with_its_kernel
-from ros2lab.widget_state import WIDGET_VIEW
+from ros2lab.widget_state import WIDGET_VIEW, ending_with_its_kernel
 
 _HERE = Path(__file__).parent
 _open: dict[str, Choices] = {}

@@ -44,11 +44,10 @@ from ros2lab.diagnose.packaging.layout_faults import duplicate_faults, layout_fa
 from ros2lab.diagnose.packaging.manifest_faults import dependency_circle, homes_of, manifest_faults
 from ros2lab.diagnose.packaging.packaging_faults import packaging_faults
 from ros2lab.diagnose.rules import source_faults
-from ros2lab.diagnose.sources.beyond import Beyond
+from ros2lab.diagnose.sources.beyond import Beyond, OtherFiles
 from ros2lab.diagnose.sources.file_texts import is_endless
 from ros2lab.diagnose.sources.made_modules import is_made, written_modules
 from ros2lab.diagnose.sources.node_source import NodeSources
-from ros2lab.diagnose.sources.other_files import OtherFiles
 from ros2lab.diagnose.sources.package import SourcePackage, discover
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 

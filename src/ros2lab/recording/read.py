@@ -1,17 +1,24 @@
-"""Recordings, read for a table or a plot."""
+"""Recordings, read for a table or a plot: the types of their messages, and how these are decoded."""
 
 from __future__ import annotations
 
+import contextlib
 import operator
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from portable_ros2.bags.mcap_file import RecordingFile, Room, TooLargeError
+from mcap.records import Schema
+from mcap.well_known import SchemaEncoding
+from mcap_ros2.decoder import DecoderFactory
+from rclpy.serialization import deserialize_message
+
+from portable_ros2.bags.definitions import definition_text, same_fields
+from portable_ros2.bags.mcap_file import RecordedTopic, RecordingFile, Room, TooLargeError
 from ros2lab import course
 from ros2lab.recording.files import no_topic, open_recording
-from ros2lab.recording.message_types import decoder
 from ros2lab.recording.tables import counted, html_table, size, text_table
+from ros2lab.topics import find_type
 
 
 class RecordedSample(NamedTuple):
@@ -143,3 +150,30 @@ def read_recording(path: str | Path) -> Recording:
         ValueError: if it is not MCAP, or holds nothing of ROS 2.
     """
     return Recording(open_recording(course.student_path(path)))
+
+
+def installed_type(topic: RecordedTopic) -> type:
+    """Return the message class of a recorded topic.
+
+    Raises:
+        ValueError: if its type is not installed here, or has other fields here than in the recording.
+    """
+    message_type = find_type(topic.type_name)
+    if topic.encoding == SchemaEncoding.ROS2:
+        with contextlib.suppress(LookupError):  # a type without a definition is assumed to be the same
+            if not same_fields(topic.definition, definition_text(topic.type_name)):
+                raise ValueError(f"{topic.type_name} has other fields here than where it was recorded.")
+    return message_type
+
+
+def decoder(topic: RecordedTopic) -> Callable[[bytes], Any]:
+    """Return a function that decodes a message: by the installed type, else by the recording's definition."""
+    try:
+        message_type = installed_type(topic)
+    except ValueError as error:
+        schema = Schema(1, topic.definition.encode(), topic.encoding, topic.type_name)
+        decoder = DecoderFactory().decoder_for("cdr", schema)
+        if decoder is None:
+            raise ValueError(f"{topic.name} cannot be read: {error}") from None
+        return decoder
+    return lambda data: deserialize_message(data, message_type)

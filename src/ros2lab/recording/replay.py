@@ -18,8 +18,8 @@ from portable_ros2.bags.offers import replayed_qos
 from ros2lab import every_node
 from ros2lab.interrupts import interrupted_says
 from ros2lab.recording.files import no_topic, open_recording
-from ros2lab.recording.matching import MATCH_TIMEOUT, wait_for_match
-from ros2lab.recording.message_types import installed_type
+from ros2lab.recording.read import installed_type
+from ros2lab.recording.subscriptions import MATCH_TIMEOUT, wait_for_match
 from ros2lab.topics import one_type_a_topic
 
 if TYPE_CHECKING:

@@ -1,8 +1,9 @@
-"""Topics while they are recorded, and the subscriptions to them."""
+"""Topics while they are recorded, the subscriptions to them, and waiting until both ends have found each other."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+import time
+from collections.abc import Callable, Collection, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from rclpy.callback_groups import CallbackGroup
@@ -10,7 +11,6 @@ from rclpy.qos import QoSCompatibility, QoSProfile, qos_check_compatible
 
 from portable_ros2.bags.definitions import definition_text
 from portable_ros2.bags.offers import qos_text
-from ros2lab.recording.matching import wait_for_match
 from ros2lab.topics import QUEUE_DEPTH, find_type, matching_qos, one_type_a_topic
 
 if TYPE_CHECKING:
@@ -168,3 +168,14 @@ class Track:
             self._last = 0
         self._gaps = 0
         self.publishers = publishers
+
+
+MATCH_TIMEOUT = 1.0  # s
+POLL_PERIOD = 0.005  # s; rclpy sends no event for every match
+
+
+def wait_for_match(has_matched: Callable[[], bool]) -> None:
+    """Wait until publishers and subscribers have matched, but no longer than `MATCH_TIMEOUT`."""
+    deadline = time.monotonic() + MATCH_TIMEOUT
+    while not has_matched() and time.monotonic() < deadline:
+        time.sleep(POLL_PERIOD)

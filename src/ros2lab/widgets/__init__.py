@@ -6,10 +6,10 @@ from ros2lab.widgets.graph_view import GraphView
 from ros2lab.widgets.message_form import MessageForm
 from ros2lab.widgets.node_log import NodeLog
 from ros2lab.widgets.robot_view import RobotView
-from ros2lab.widgets.side_by_side import SideBySide
 from ros2lab.widgets.teleop import Teleop
 from ros2lab.widgets.topic_monitor import TopicMonitor
 from ros2lab.widgets.twist_plot import TwistPlot, twist_figure
+from ros2lab.widgets.view_group import SideBySide
 
 __all__ = [
     "CommandPanel",

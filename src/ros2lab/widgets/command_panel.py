@@ -15,9 +15,9 @@ from std_msgs.msg import String
 
 from ros2lab import assignments
 from ros2lab.assignments.lesson import load_lesson
-from ros2lab.kernel_end import ending_with_its_kernel
 from ros2lab.session import LabSession
 from ros2lab.topics import TopicLog, matching_qos
+from ros2lab.widget_state import ending_with_its_kernel
 from ros2lab.widgets.redraw import redraw_of
 from ros2lab.widgets.stored_view import StoredView, check_session, resolved, style, text_figure
 

@@ -10,8 +10,8 @@ import anywidget
 import ipywidgets
 import traitlets
 
-from ros2lab.kernel_end import ending_with_its_kernel
 from ros2lab.session import LabSession
+from ros2lab.widget_state import ending_with_its_kernel
 from ros2lab.widgets.command_panel import CommandPanel
 from ros2lab.widgets.graph_view import GraphView
 from ros2lab.widgets.node_log import NodeLog

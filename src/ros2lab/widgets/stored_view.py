@@ -29,9 +29,8 @@ from matplotlib.font_manager import findfont, get_font
 from rclpy.exceptions import InvalidTopicNameException
 from rclpy.validate_topic_name import validate_topic_name
 
-from ros2lab.kernel_end import ending_with_its_kernel
 from ros2lab.session import LabSession
-from ros2lab.widget_state import WIDGET_VIEW
+from ros2lab.widget_state import WIDGET_VIEW, ending_with_its_kernel
 
 if TYPE_CHECKING:
     Self = TypeVar("Self", bound="StoredView")

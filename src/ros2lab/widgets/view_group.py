@@ -115,3 +115,21 @@ def _pixels(figure: Figure) -> npt.NDArray[np.uint8]:
     canvas = FigureCanvasAgg(figure)
     canvas.draw()  # type: ignore[no-untyped-call]
     return np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
+
+
+class SideBySide(ViewGroup, ipywidgets.HBox):
+    """Shows widgets of the lab beside each other; the last one gets the room that is left.
+
+    Closing it closes them.
+
+    Args:
+        views: at least one open widget of the lab; all of one session, or of one recording.
+
+    Raises:
+        TypeError: if one of them is not a widget of the lab.
+        ValueError: if there is none, one is closed, or they are not of one session or recording.
+    """
+
+    def __init__(self, *views: StoredView) -> None:
+        super().__init__(views)
+        self.add_class("ros2lab-side-by-side")

@@ -14,7 +14,7 @@ import anywidget
 import traitlets
 from IPython.core.getipython import get_ipython
 
-from ros2lab.kernel_end import ending_with_its_kernel
+from ros2lab.widget_state import ending_with_its_kernel
 
 _FOLDER = Path(__file__).parent
 MOST_PAGES = 16  # remembered; one that crashed never says that it has gone

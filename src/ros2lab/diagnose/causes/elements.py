@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import re
 
-from ros2lab.diagnose.causes.guards import left_out, may_be_left
+from ros2lab.diagnose.causes.nothing_given import left_out, may_be_left
 from ros2lab.diagnose.finding import these_lines
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces

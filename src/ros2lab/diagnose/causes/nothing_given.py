@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ros2lab.diagnose.causes.guards import left_out
 from ros2lab.diagnose.checking.checked_copies import checked
 from ros2lab.diagnose.checking.edits import Edit
 from ros2lab.diagnose.checking.trials import type_of
@@ -19,6 +18,7 @@ from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
     assigned_to,
+    contains,
     given_to,
     last_name,
     own_nodes,
@@ -29,6 +29,7 @@ from ros2lab.diagnose.sources.spelling import nearest
 
 if TYPE_CHECKING:
     from ros2lab.diagnose.causes.origins import Origin
+
 
 _Told = tuple[str, str, str]  # cause, place and fix
 _DEEPEST = 5  # functions and names followed that pass a value on
@@ -268,3 +269,34 @@ def _kept(origin: Origin, call: ast.Call, spot: Spot) -> str:
         if not any(row.line in spot.lines for row in rows if is_here)
     ]
     return found[0] if found else ""
+
+
+def may_be_left(spot: Spot) -> bool:
+    """Return whether a function may return early at a line: it is no constructor and returns no value."""
+    function = spot.function
+    is_plain = isinstance(function, ast.FunctionDef) and function.name != "__init__"
+    return is_plain and not returned(function)  # type: ignore[arg-type]
+
+
+def left_out(lacks: str, has: str, name: str, spot: Spot) -> str:
+    """Return how to skip a line, and what uses a name below it, under the condition `lacks`, the opposite of `has`."""
+    function = spot.function
+    if function is None or function.name == "__init__":
+        return (
+            f"write `if {has}:` above line {head(spot, ())}, and indent everything that uses {name} below it"
+        )
+    loops = [
+        node
+        for node in ast.walk(function)
+        if isinstance(node, (ast.For, ast.While)) and node.lineno < spot.line <= (node.end_lineno or 0)
+    ]
+    body = max(loops, key=lambda node: node.lineno).body if loops else function.body
+    leave = "continue" if loops else "return"
+    return (
+        f"write these two lines above line {head(spot, body)}: `if {lacks}:`, and indented below it `{leave}`"
+    )
+
+
+def head(spot: Spot, body: Sequence[ast.stmt]) -> int:
+    """Return the first line of the statement in a body that contains the line."""
+    return next((statement.lineno for statement in body if contains(statement, spot.line)), spot.line)

@@ -9,8 +9,8 @@ import re
 from collections.abc import Callable
 
 from ros2lab.diagnose.causes.elements import beyond, no_key, none_left, numbered, subscripted
-from ros2lab.diagnose.causes.guards import head
 from ros2lab.diagnose.causes.init_order import destroyed, not_running
+from ros2lab.diagnose.causes.nothing_given import head
 from ros2lab.diagnose.causes.unfit_parameters import unset
 from ros2lab.diagnose.checking.operands import held_in, unwrapped
 from ros2lab.diagnose.code.hidden_names import fix_of, known_names

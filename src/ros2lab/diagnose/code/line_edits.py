@@ -8,9 +8,40 @@ import keyword
 import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
 
-from ros2lab.diagnose.code.repair import RARE, SELDOM, USUAL, Repair
 from ros2lab.diagnose.sources import interfaces
+
+USUAL, SELDOM, RARE = 1.0, 1.5, 2.5  # costs
+
+
+@dataclass(frozen=True)
+class Repair:
+    """A change of one line, or of the indentation of several, after which Python may read on.
+
+    Attributes:
+        new: its new text; empty if it is removed.
+        why: what is wrong with it, as a clause.
+        cost: the higher, the less likely the slip is that it undoes.
+        below: the new texts of the lines below it that move along with it.
+    """
+
+    line: int
+    new: str
+    why: str
+    cost: float = USUAL
+    below: tuple[str, ...] = ()
+    is_move: bool = False
+
+    @property
+    def last(self) -> int:
+        """The number of the last line that changes."""
+        return self.line + len(self.below)
+
+    def applied(self, lines: Sequence[str]) -> list[str]:
+        """Return the lines of a file with the change."""
+        return [*lines[: self.line - 1], self.new, *self.below, *lines[self.last :]]
+
 
 _TOKEN = re.compile(
     r"""(?P<comment>\#.*)|(?P<text>[rbfuRBFU]{0,2}(?:"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*'))|(?P<word>[A-Za-z_]\w*)"""

@@ -6,7 +6,7 @@ import keyword
 import re
 from collections.abc import Iterator
 
-from ros2lab.diagnose.code.repair import USUAL, Repair
+from ros2lab.diagnose.code.line_edits import USUAL, Repair
 from ros2lab.diagnose.sources.spelling import plain_signs
 
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from ros2lab.diagnose.code.line_edits import (
+    Repair,
     depth_of,
     edits_of,
     ends_of,
@@ -23,7 +24,6 @@ from ros2lab.diagnose.code.line_edits import (
 )
 from ros2lab.diagnose.code.merge_conflicts import conflict_in
 from ros2lab.diagnose.code.other_languages import in_pythons_words
-from ros2lab.diagnose.code.repair import Repair
 from ros2lab.diagnose.code.sense import nonsense
 from ros2lab.diagnose.finding import Finding, at
 from ros2lab.diagnose.sources.checker import Newer, newer_syntax

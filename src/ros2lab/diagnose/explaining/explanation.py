@@ -32,10 +32,10 @@ from ros2lab.diagnose.explaining.launched_commands import of_launched_command
 from ros2lab.diagnose.explaining.meaning import Meaning
 from ros2lab.diagnose.explaining.meanings import MEANINGS
 from ros2lab.diagnose.explaining.needed import is_refuted, of_needed, seen_there
+from ros2lab.diagnose.explaining.not_set import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.explaining.other_ends import of_other_end
 from ros2lab.diagnose.explaining.own_words import is_own_log, own_words, still_waiting, without_own
 from ros2lab.diagnose.explaining.quiet_programs import of_quiet_program
-from ros2lab.diagnose.explaining.replaced import called_by_rclpy, made_twice, taken_from_rclpy
 from ros2lab.diagnose.explaining.ros_variables import of_ros_variable
 from ros2lab.diagnose.explaining.said import is_bare, launch_line, lines_of, of_launch, said_by_tools
 from ros2lab.diagnose.explaining.sections_read import sections_read

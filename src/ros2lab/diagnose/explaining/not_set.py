@@ -1,4 +1,4 @@
-"""Attributes that Python does not find although a class sets them: under a private name, or on a line that has not run."""
+"""Names that hide another one, and attributes that Python does not find although a class sets them: private, or not yet set."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ import ast
 from ros2lab.diagnose.code.private_names import of_another
 from ros2lab.diagnose.finding import Finding, these_lines
 from ros2lab.diagnose.look import Look
-from ros2lab.diagnose.printed.spots import Spot
+from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
+from ros2lab.diagnose.printed.spots import Spot, spot_of
+from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import is_self_attribute
 from ros2lab.diagnose.sources.python_source import walk
 
@@ -63,3 +65,35 @@ def _too_early(around: ast.ClassDef, name: str, spot: Spot) -> Finding | None:
         else f"set self.{name} {begun}, to the value that it has at the beginning"
     )
     return Finding("attribute-missing", cause, spot.place, fix)
+
+
+def taken_from_rclpy(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
+    """Return the known finding that the file of an error hides a member of Node; None if there is none."""
+    spot = spot_of(error.report, look)
+    begin = f"{spot.file.shown}:"
+    hidden = (found for found in known if found.code == "node-property" and found.place.startswith(begin))
+    return next(hidden, None) if spot.line and not spot.is_innermost else None
+
+
+def called_by_rclpy(error: ErrorText, look: Look) -> Finding | None:
+    """Say that the failing method hides a method of Node that rclpy calls itself; None if it does not."""
+    frames = error.report.frames if error.report else ()
+    own = own_frames(frames)
+    if len(own) < 2 or frames[max(0, frames.index(own[0]) - 1)] in own:  # they call each other directly
+        return None
+    spot = spot_of(error.report, look)
+    name = spot.function.name if spot.function else ""
+    if name.startswith("__") or name not in node_members():
+        return None
+    cause = f"Every node has a method {name}, which rclpy itself calls: this one hides it and is called too early."
+    fix = f"rename it, for example to {name}_, also where it is used"
+    return Finding("node-property", cause, spot.file.at(spot.function), fix)
+
+
+def made_twice(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
+    """Return the known finding that the failing function replaces one of the same name; else None."""
+    spot = spot_of(error.report, look)
+    if spot.function is None:
+        return None
+    place = spot.file.at(spot.function)
+    return next((finding for finding in known if finding.code == "replaced" and finding.place == place), None)

@@ -24,7 +24,6 @@ from ros2lab.diagnose.finding import SAID, Finding, at, line_with, shown_path
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import PREFIX, ErrorReport, ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.names_there import node_names, topic_ends
-from ros2lab.diagnose.printed.refusals import is_refusal
 from ros2lab.diagnose.printed.spots import place_of, spot_of
 from ros2lab.diagnose.printed.transcript import (
     LABELLED,
@@ -33,6 +32,7 @@ from ros2lab.diagnose.printed.transcript import (
     WARNING,
     Step,
     harmless_lines,
+    is_refusal,
     step_with,
     without_data,
 )

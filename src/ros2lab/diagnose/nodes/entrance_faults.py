@@ -8,8 +8,8 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.code.bound_names import unbound_names
 from ros2lab.diagnose.finding import Finding, in_a_row, lines_in_words
+from ros2lab.diagnose.nodes.endless_loops import import_work
 from ros2lab.diagnose.nodes.executors import joined, joined_after, spun_together
-from ros2lab.diagnose.nodes.import_work import import_work
 from ros2lab.diagnose.nodes.spin_loops import CALLED_BACK, one_turn, rests, stands_still
 from ros2lab.diagnose.sources.entrance import SPINNING, Call, Entrance
 from ros2lab.diagnose.sources.node_source import NodeClass

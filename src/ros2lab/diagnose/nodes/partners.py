@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Collection
 from typing import Protocol
 
+from ros2lab.diagnose.sources.beyond import OtherFiles
 from ros2lab.diagnose.sources.node_source import Creation, NodeSources
-from ros2lab.diagnose.sources.other_files import OtherFiles
 
 
 class _End(Protocol):
