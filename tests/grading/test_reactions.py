@@ -9,7 +9,7 @@ import evidences
 import pytest
 
 from ros2lab.grading.evidence import CommandSeen, Heard, Run
-from ros2lab.grading.judging.reactions import changed, is_reached, lines_of, logs_arbitrarily, tells
+from ros2lab.grading.judging.reactions import changed, is_reached, lines_of, logs_arbitrarily, tells, template
 from ros2lab.grading.rubric import load
 
 COMMAND, CMD_VEL = "/robot/command", "/cmd_vel"
@@ -162,3 +162,21 @@ def test_a_log_of_a_hash_says_something_else_of_most_unknown_words(answers: str,
         for word, answer in zip(unknown, answers, strict=True)
     ]
     assert logs_arbitrarily(part, replace(run(), commands=said)) == is_arbitrary
+
+
+@pytest.mark.parametrize(
+    ("line", "word", "filled"),
+    [
+        ('I heard: "A"', "A", 'I heard: "{}"'),
+        ("unknown command", "on", "unknown command"),
+        ("turning on", "on", "turning {}"),
+        ("cmd_go done", "go", "cmd_{} done"),
+        ("STOP, and stop!", "stop", "{}, and {}!"),
+        ("starting", "start", "{}ing"),
+        ("nothing", "", "nothing"),
+    ],
+)
+def test_a_command_is_known_in_a_line_where_it_does_not_stand_by_chance(
+    line: str, word: str, filled: str
+) -> None:
+    assert template(line, word) == filled

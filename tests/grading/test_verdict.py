@@ -1230,6 +1230,7 @@ def test_a_subscriber_on_another_topic_has_what_it_does(
         ("/topic", evidences.STRING, 2.0, 16.25),  # its period tells that it is meant
         ("/topic", evidences.STRING, 0.5, 4.25),  # neither does a word of its topic
         ("/plan", evidences.STRING, 0.1, 4.25),
+        ("/robot_news", evidences.STRING, 0.5, 4.25),  # as little as a word that is about every part
         ("/robot/estado", evidences.STRING, 0.5, 8.5),
         ("/stats", evidences.STRING, 0.5, 8.5),
         ("/robot/status", "std_msgs/msg/Int32", 2.0, 14.5),  # what nobody can take counts half

@@ -123,12 +123,6 @@ class Part:
         """Return whether a text, such as a name, holds one of its words."""
         return any(word.lower() in text.lower() for word in self.words)
 
-    def is_about(self, topic: str) -> bool:
-        """Return whether a topic holds one of its words, or of those of its own topic."""
-        return self.is_meant(topic) or any(
-            word in topic.lower() for word in re.findall(r"[a-z]+", self.topic)
-        )
-
 
 @dataclass(frozen=True)
 class Assignment:
@@ -172,6 +166,19 @@ class Assignment:
             if word.lower() in text.lower()
         ]
         return max(found, key=lambda pair: pair[0])[1] if found else None
+
+    def is_about(self, topic: str, part: Part) -> bool:
+        """Return whether a topic holds one of a part's words, is below what all of its own topic is below, or holds the rest.
+
+        What several parts have in common tells none of them, but as a name of a level.
+        """
+        space, _, own = part.topic.rpartition("/")
+        is_below = bool(space) and topic.startswith(f"{space}/")
+        return (
+            is_below
+            or part.is_meant(topic)
+            or any(word in topic.lower() for word in re.findall(r"[a-z]+", own))
+        )
 
     def is_only(self, part: Part) -> bool:
         """Return whether no other part has the type of this one, so that the type alone tells what is meant."""

@@ -14,6 +14,7 @@ from ros2lab.grading.evidence import CommandSeen, Heard, Run
 from ros2lab.grading.senses import is_still, is_velocity, seen, steady
 
 _ARBITRARY = 3  # unknown words that each bring something else
+LONG = 4  # letters of a word that does not stand in another one by chance
 WARNINGS = frozenset(("WARN", "ERROR", "FATAL"))
 
 
@@ -184,13 +185,19 @@ def _any_of(answers: frozenset[str]) -> re.Pattern[str]:
 
 @functools.lru_cache(maxsize=4096)
 def template(line: str, word: str) -> str:
-    """Return a line with `{}` instead of a word, whatever its capitals."""
-    return _in_any_case(word).sub("{}", line) if seen(word) else line
+    """Return a line with `{}` instead of a word, whatever its capitals.
+
+    As a part of another word it counts only where it stands nowhere by itself, and is too long to be there by chance.
+    """
+    if not (text := re.escape(seen(word))):
+        return line
+    filled, times = _in_any_case(rf"(?<![^\W_]){text}(?![^\W_])").subn("{}", line)
+    return filled if times or len(word) < LONG else _in_any_case(text).sub("{}", line)
 
 
 @functools.lru_cache
-def _in_any_case(word: str) -> re.Pattern[str]:
-    return re.compile(re.escape(seen(word)), re.IGNORECASE)
+def _in_any_case(pattern: str) -> re.Pattern[str]:
+    return re.compile(pattern, re.IGNORECASE)
 
 
 def templates(run: Run, command: CommandSeen) -> set[str]:

@@ -91,7 +91,7 @@ def has_its_topic(case: Case, part: Part) -> Answer:
     if part.is_publisher and not any(one.is_heard for one in case.players[part.name]):
         seen["verb"] = "has a publisher for"
     level = "other" if player.is_guessed else player.match
-    if level == "other" and player.match != "misplaced" and not part.is_about(player.topic):
+    if level == "other" and player.match != "misplaced" and not case.assignment.is_about(player.topic, part):
         level = "strange"
     seen["why"] = _owned(case, player)
     if player.match == "right" and case.is_apart(part):
