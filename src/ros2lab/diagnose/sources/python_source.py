@@ -47,6 +47,7 @@ class PythonSource:
     fault: SyntaxError | None = field(default=None, init=False)
     is_beyond: bool = field(default=False, init=False)
     warned: list[tuple[int, str]] = field(default_factory=list, init=False)
+    _resolved: dict[ast.AST, str | None] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def tree(self) -> ast.Module:
@@ -251,6 +252,13 @@ class PythonSource:
 
         A string, as in an annotation, counts as the name in it. None if the name is not known.
         """
+        if not isinstance(node, (ast.Name, ast.Attribute, ast.Constant)):
+            return None
+        if node not in self._resolved:  # which a hundred rules ask of each call
+            self._resolved[node] = self._full_name(node)
+        return self._resolved[node]
+
+    def _full_name(self, node: ast.AST) -> str | None:
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value.isidentifier():
             return self.names.get(node.value)
         name = dotted(node)
