@@ -24,7 +24,6 @@ from ros2lab.observed_domain import LATE
 
 QUEUE = 10  # messages of a flood that a node keeps in its queue, and takes one after the other
 FLOOD_ROUNDS = 20  # each lets a node take two messages from its queue
-
 TIMER = 1.0  # s, the period of a node that acts on a command later
 TWINS = "Which of two nodes of one name follows the clock cannot be told."
 
@@ -144,8 +143,7 @@ class Conductor:
                 self._mark()
             if watch.command_topic():
                 self._give_commands(watch, answered)
-        # How many messages prove that a topic follows the clock: one that follows another may come only
-        # later.
+        # How many messages prove that a topic follows the clock: one that follows another may come only later.
         least = 3 if self.plan["is_brief"] or self.plan["programs"] > 1 else math.inf
         unknown = [t for t, count in answered.items() if count < 2 and watch.ears[t].total < least]
         if watch.is_stepped and unknown and not (self.plan.get("longer") or "settings" in self.plan):
@@ -238,6 +236,8 @@ class Conductor:
         watch.until(lambda: len(watch.nodes()) >= self.plan["nodes"], START_TIMEOUT)
         watch.check()
         watch.look()  # from now on, what does not follow the clock is heard
+        watch.until(lambda: not watch.has_nameless(), watch.patience)
+        watch.look()  # one that never answers may have gone by the next time
         watch.is_answering = watch.settle(watch.patience)
         watch.check()
         watch.check_still()
