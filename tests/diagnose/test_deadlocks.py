@@ -15,6 +15,7 @@ from ros2lab.diagnose.sources.python_source import PythonSource
 HEAD = """\
 import rclpy
 from rclpy.action import ActionClient, ActionServer
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
 
 
@@ -64,6 +65,11 @@ RIGHT = [
         "self.cli.call(self.req)",
     ),
     (f"{THREADS}\n{TIMER}", "self.table.call(self.req)"),
+    (
+        f"{THREADS}\nself.create_timer(1.0, self.ask, groups[0])\nself.cli = self.create_client(Trigger, 'level', callback_group=groups[0])",
+        "self.cli.call(self.req)",
+    ),
+    (f"{THREADS}\n{TIMER}\nself._default_callback_group = parallel()", "self.cli.call(self.req)"),
     (f"{THREADS}\n{TIMER}\nself.all = ReentrantCallbackGroup()", "self.cli.call(self.req)"),
     (
         f"{THREADS}\n{TIMER}",
@@ -102,7 +108,7 @@ IN_ONE_GROUP = [
     (SERVICE, "return self.cli.call(self.req)"),
     (TIMER, "answer = self.cli.call_async(self.req)\nwhile not answer.done():\n    time.sleep(0.1)"),
     (TIMER, "done = threading.Event()\nanswer = self.cli.call_async(self.req)\nanswer.add_done_callback(lambda _: done.set())\ndone.wait()"),
-    ("self.create_timer(1.0, self.ask, callback_group=self.own)\nself.cli = self.create_client(Trigger, 'level', callback_group=self.own)", "self.cli.call(self.req)"),
+    ("self.own = MutuallyExclusiveCallbackGroup()\nself.create_timer(1.0, self.ask, callback_group=self.own)\nself.cli = self.create_client(Trigger, 'level', callback_group=self.own)", "self.cli.call(self.req)"),
 ]  # fmt: skip
 
 

@@ -16,6 +16,7 @@ import threading
 from concurrent.futures import Future
 
 import rclpy
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
@@ -39,6 +40,7 @@ TICK = "    def tick(self):\n{}\n\n    def serve(self, request, response):\n    
 SERVE = "    def tick(self):\n        pass\n\n    def serve(self, request, response):\n{}\n        return response\n"
 TAIL = "\n    def step(self):\n        self.held.get()\n\n\ndef main():\n    rclpy.init()\n    rclpy.spin(Printer())\n"
 QUEUE, PUT = "queue.Queue()", "self.held.put(msg.data)"
+SOLE = "MutuallyExclusiveCallbackGroup()"
 
 
 def told(body: str, made: str = QUEUE, given: str = PUT, first: str = "pass", more: str = TICK) -> str:
@@ -63,7 +65,7 @@ def found(text: str, folder: Path) -> list[tuple[str, str]]:
 @pytest.mark.parametrize(
     ("text", "fix"),
     [
-        (told("text = self.held.get()\nprint(text)"), "write `if self.held.empty(): return` above line 25"),
+        (told("text = self.held.get()\nprint(text)"), "write `if self.held.empty(): return` above line 26"),
         (told("text = self.held.get(block=True)"), "write `if self.held.empty(): return`"),
         (told("self.step()"), "do the work that needs self.held in on_label()"),
         (told("self.held.wait()", "threading.Event()", "self.held.set()", more=SERVE), "do the work that needs self.held in on_label()"),
@@ -77,7 +79,7 @@ def found(text: str, folder: Path) -> list[tuple[str, str]]:
         (told("while len(self.held) < 3:\n    pass", "[]", "self.held.append(msg.data)"), "do the work"),
         (told("while not self.held.is_set():\n    pass", "threading.Event()", "self.held.set()"), "do the work"),
         (threaded("while not self.flag:\n    pass", given="self.flag = True"), "write `self.create_timer(1.0, self.tick, callback_group=MutuallyExclusiveCallbackGroup())`"),
-        (threaded("self.held.get()", ", self.own", ", callback_group=self.own"), "write `self.create_timer(1.0, self.tick, callback_group=MutuallyExclusiveCallbackGroup())`"),
+        (threaded("self.held.get()", ", self.own", ", callback_group=self.own", first=f"self.own = {SOLE}"), "write `self.create_timer(1.0, self.tick, callback_group=MutuallyExclusiveCallbackGroup())`"),
         (threaded("self.held.get()", ", self.default_callback_group"), "write `self.create_timer(1.0, self.tick, callback_group=MutuallyExclusiveCallbackGroup())`"),
         (threaded("self.held.wait()", made="threading.Event()", given="self.held.set()"), "write `self.create_timer("),
     ],
@@ -118,6 +120,24 @@ def test_what_only_another_callback_gives_is_waited_for_in_vain(tmp_path: Path, 
         threaded(
             "self.held.get()",
             first="self.create_subscription(String, 'b', self.on_label, 1, callback_group=self.own)",
+        ),
+        *(
+            threaded("self.held.get()", f", {group}", f", callback_group={group}", first=first)
+            for group, first in (
+                ("groups[0]", f"groups = [{SOLE}]"),
+                ("own", f"own = {SOLE}\n        if self.flag: own = {SOLE}"),
+                ("own", "own = anything_parallel()"),
+                ("self.own", f"for self.own in ({SOLE}, {SOLE}): pass"),
+                ("other.default_callback_group", "other = self"),
+            )
+        ),
+        threaded("self.held.get()", ", own", ", callback_group=own", first=f"own = {SOLE}").replace(
+            "        self.create_timer(", f"        own = {SOLE}\n        self.create_timer("
+        ),
+        threaded("self.held.get()", other=", **self.options"),
+        threaded("self.held.get()", first="self._default_callback_group = anything_parallel()"),
+        threaded("self.held.get()").replace(
+            "def on_label(", "def default_callback_group(self): return any_one()\n\n    def on_label("
         ),
         threaded("self.held.get()", first="threading.Thread(target=self.read).start()"),
         told(

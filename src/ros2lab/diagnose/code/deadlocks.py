@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ast
 import copy
+import re
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import Finding, lines_in_words
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
-from ros2lab.diagnose.sources.one_run import blocks
+from ros2lab.diagnose.sources.one_run import blocks, in_loops
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -27,6 +28,10 @@ from ros2lab.diagnose.sources.uses import own_changes
 
 _SPINS = ("rclpy.spin_until_future_complete", "rclpy.spin_once")
 GROUP_IMPORTED = "with `from rclpy.callback_groups import MutuallyExclusiveCallbackGroup` at the top"
+_SOLE = "rclpy.callback_groups.MutuallyExclusiveCallbackGroup"
+_SETS_DEFAULT = re.compile(
+    r"\b(_|def )default_callback_group\b"
+)  # sets the node's own group, as far as may be
 _THREADS, _REENTRANT = "MultiThreadedExecutor", "ReentrantCallbackGroup"
 # What rclpy runs as a task, in no callback group: what takes it, and its place and name among the arguments.
 _TAKES_TASK = {
@@ -108,17 +113,17 @@ def deadlocks(sources: NodeSources) -> Iterator[Finding]:
         if id(function) in seen or _REENTRANT in names[source]:
             continue
         found = _waits(source, function)
-        if waits := [wait for wait in found if _is_held(callback, wait, has_threads=has_threads)]:
+        if waits := [wait for wait in found if _is_held(sources, callback, wait, has_threads=has_threads)]:
             seen.add(id(function))
             yield _told(callback, waits, sources, has_threads=has_threads)
 
 
-def _is_held(callback: _Callback, wait: _Wait, *, has_threads: bool) -> bool:
+def _is_held(sources: NodeSources, callback: _Callback, wait: _Wait, *, has_threads: bool) -> bool:
     """Return whether no other thread and no spin in a wait itself can bring the answer that a callback waits for.
 
     Both bring what belongs to another node or to another callback group than the running callback; a task has no group.
     """
-    spun, own, made = _spun(wait), _node_of(callback.given), _made_by(callback, wait)
+    spun, own, made = _spun(wait), node_of(callback.given), _made_by(callback, wait)
     if callback.is_task:
         return not has_threads and not spun
     if not spun and not has_threads:
@@ -127,7 +132,8 @@ def _is_held(callback: _Callback, wait: _Wait, *, has_threads: bool) -> bool:
         return False  # there, the name stands for another node
     if made is None:
         return not has_threads and spun == {own} and "callback_group" not in callback.source.text
-    return _node_of(made) == own and group_of(made) == group_of(callback.given)
+    groups = {group_of(sources, callback.source, call) for call in (made, callback.given)}
+    return node_of(made) == own and len(groups) == 1
 
 
 def _spun(wait: _Wait) -> set[str]:
@@ -136,20 +142,26 @@ def _spun(wait: _Wait) -> set[str]:
     return {ast.unparse(argument(call, 0, "node") or call.func) for call in calls}
 
 
-def _node_of(call: ast.Call) -> str:
+def node_of(call: ast.Call) -> str:
     """Return the node for which a call makes something, as written."""
     is_given = "Action" in last_name(call.func)
     return ast.unparse((argument(call, 0, "node") if is_given else getattr(call.func, "value", None)) or call)
 
 
-def group_of(call: ast.Call) -> str:
-    """Return the callback group that something of a node is made with, as written; empty for the node's own."""
+def group_of(sources: NodeSources, source: PythonSource, call: ast.Call) -> int:
+    """Return what tells the callback group of something of a node: a number, 0 for the node's own group.
+
+    A group counts as one that nothing else has unless the files make it once, or it is the node's and they leave that as it is.
+    """
     is_timer = getattr(call.func, "attr", "") == "create_timer"
     group = argument(call, 2 if is_timer else len(call.args), "callback_group")
-    if isinstance(group, ast.Call):
-        return f"{ast.unparse(group)} of {id(group)}"  # one of its own
-    text = ast.unparse(group) if group is not None else "None"
-    return "" if text == "None" or text.endswith(".default_callback_group") else text
+    if any(keyword.arg is None for keyword in call.keywords):
+        return id(call)
+    if group is None or ast.unparse(group) in ("None", f"{node_of(call)}.default_callback_group"):
+        return id(call) if any(_SETS_DEFAULT.search(file.text) for file in sources.sources.values()) else 0
+    made = source.written(group)
+    is_sole = isinstance(made, ast.Call) and source.resolve(made.func) == _SOLE
+    return id(made if is_sole and id(made) not in in_loops(source.tree) else call)
 
 
 def in_own_group(call: ast.Call) -> str:

@@ -10,12 +10,13 @@ from ros2lab.diagnose.code.deadlocks import (
     GROUP_IMPORTED,
     group_of,
     in_own_group,
+    node_of,
     set_elsewhere,
     where_set,
 )
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.endless_loops import HARMLESS, threads_of
-from ros2lab.diagnose.sources.node_source import Creation, NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import is_always_reached, may_leave, own_calls
 from ros2lab.diagnose.sources.python_source import (
     Function,
@@ -67,7 +68,11 @@ def waits_for_another(
                 cause = f"In {what}, {waiter} waits for self.{name}, which only {first.name}() changes; but rclpy calls {first.name}() only after this one returns, so once it waits, it waits forever."
                 fix = where_set(name, first)
                 if threads:
-                    if not own or len({*map(_held_with, (*own, *others))}) > 1:
+                    held = {
+                        (c.owner, node_of(c.call), group_of(sources, c.source, c.call))
+                        for c in (*own, *others)
+                    }
+                    if not own or len(held) > 1:
                         continue
                     cause = f"{cause[:-1]}: both are in one callback group, of which only one callback runs at a time, also with several threads."
                     fix = (
@@ -93,11 +98,6 @@ def _polled(
     asked = {n.attr for n in walk(loop.test) if is_self_attribute(n)}
     if asked.isdisjoint(uses_of(sources).stored_of_others):
         yield from (pair for pair in set_elsewhere(owner, functions, loop) if pair[0] not in inside)
-
-
-def _held_with(creation: Creation) -> tuple[NodeClass | None, str, str]:
-    """Return what tells the callback group of a callback from others: where its node is made, and the names of both."""
-    return creation.owner, ast.unparse(creation.call.func).rpartition(".")[0], group_of(creation.call)
 
 
 def _is_reached(functions: Sequence[Function], function: Function, call: ast.Call) -> bool:
