@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 from right_workspace import right_workspace
@@ -10,6 +12,7 @@ from workspace_files import Files
 
 from ros2lab.diagnose import of_workspace
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.by_argument import note_arguments
 
 GIVEN = "parameters=[config]"
 
@@ -62,6 +65,41 @@ def test_an_argument_that_stands_before_what_sets_its_parameter_changes_nothing(
 )
 def test_an_argument_that_stands_last_counts(tmp_path: Path, given: str) -> None:
     assert arguments_told(given, tmp_path, "0.9") == []
+
+
+@pytest.mark.parametrize(
+    ("shown", "noted", "most"),
+    [
+        (lambda given: {f"p{name}": float(value) for name, value in given.items()}, {f"p{n}": n for n in "abcdefgh"}, 2),
+        (lambda given: {"pa": given["a"], "pb": float(given["b"]) * 2}, {"pa": "a", "pb": "b"}, 20),
+        (lambda given: {"pa": given["a"], "pb": float(given["a"]) * 2}, {"pa": "a", "pb": "a"}, 20),
+        (lambda given: {"pa": given["a"], "p": str(given["b"] == "1.5")}, {"pa": "a", "p": "b"}, 20),
+        (lambda given: {"pc": given["c"], "p": given["a"]} if given["a"] == "1.5" else {}, {"pc": "c"}, 20),
+    ],
+)  # fmt: skip
+def test_the_argument_that_a_parameter_shows_is_told_by_its_value(
+    shown: Callable[[Mapping[str, str]], Mapping[str, Any]], noted: Mapping[str, str], most: int
+) -> None:
+    asked = list[Mapping[str, str]]()
+
+    def load(given: Mapping[str, str]) -> Mapping[str, Any]:
+        asked.append(given)
+        values = dict.fromkeys("abcdefgh", "1.5")
+        node = {"executable": "talk", "given": [shown({**values, **given}), "a.yaml"], "by_argument": []}
+        return {"arguments": values, "nodes": [node]}
+
+    told = load({})
+    assert note_arguments(told, load) is bool(noted)
+    assert {place[1]: place[2] for place in told["nodes"][0]["by_argument"]} == noted
+    assert len(asked) <= most + 1
+
+
+def test_a_file_that_waits_where_an_argument_has_another_value_is_told_of(tmp_path: Path) -> None:
+    waits = f"PythonExpression(['0.9 == ', {FAST}, ' or all(True for _ in iter(int, 1))'])"
+    given = f"parameters=[{{'a': {waits}}}, config, {{'speed': 0.9, 'word': 'stop'}}]"
+    files = with_arguments("0.9").change("launch/robot.launch.py", GIVEN, given)
+    found = of_workspace(files.put("config/robot.yaml", _TWO["every"]).write(tmp_path))
+    assert "speed is 0.3 and word is 'go' in robot.yaml" in "".join(one.cause for one in found)
 
 
 @pytest.mark.parametrize(("space", "is_told"), [("", True), ("red", False)])

@@ -176,7 +176,7 @@ def test_a_limit_is_told_in_a_sentence(
 def test_no_launch_file_is_loaded_to_explain_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """It is a program, and would see the grader there."""
     loaded: list[object] = []
-    monkeypatch.setattr(launch_loaded, "_run", lambda paths, _packages: loaded.extend(paths) or "{}")
+    monkeypatch.setattr(launch_loaded, "_run", lambda paths, _packages: loaded.extend(paths) or {})
     said = "[ERROR] [launch]: Caught exception in launch (see debug for traceback): 'x'"
     asked = {
         "submission": plain(Submission("nothing", None, [], None, [], []), ""),

@@ -1,4 +1,4 @@
-"""Load launch files as `ros2 launch` does, start nothing, and print what they would start, as JSON.
+"""Load launch files as `ros2 launch` does, start nothing, and print what they would start, as a line of JSON for each.
 
 It runs in a process of its own that can change nothing and that ends with the process that started it.
 """
@@ -14,6 +14,7 @@ import logging
 import os
 import re
 import sys
+import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from types import FrameType, MappingProxyType
@@ -27,6 +28,7 @@ from ros2lab.diagnose.launching.in_order import InOrder
 from ros2lab.diagnose.launching.waited_for import WaitedFor
 
 MEMORY = 2_000_000_000  # bytes
+MOST_TRIED = 1  # s, for all that is loaded once more, with other values of arguments
 LONGEST = 20  # s, on a busy machine; files that wait for something are not waited for
 MOST_TOLD = 10_000_000  # bytes
 # Audit events of what changes or starts something; that a file truly cannot, Linux sees to.
@@ -47,9 +49,25 @@ def main() -> None:
     sys.addaudithook(_noting(refused))
     confine(memory_bytes=MEMORY, cpu_s=LONGEST, written_bytes=MOST_TOLD)
     real = sys.stdout
+
+    def load(path: str, given: Mapping[str, str] = MappingProxyType({})) -> dict[str, Any]:
+        return _Loading(path, launch_ros.actions.Node, given).result(refused)
+
+    def tell(path: str) -> None:
+        real.write(f"\n{json.dumps({path: found[path]}, default=str)}\n")
+        real.flush()  # whatever becomes of those after it
+
+    found: dict[str, dict[str, Any]] = {}
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        found = {path: _told_of(path, launch_ros.actions.Node, refused) for path in sys.argv[1:]}
-    real.write(json.dumps(found, default=str))
+        for path in sys.argv[1:]:
+            found[path] = load(path)
+            tell(path)
+        end = threading.Timer(MOST_TRIED, os._exit, [0])  # a file may wait for any value
+        end.daemon = True
+        end.start()
+        for path, told in found.items():
+            if note_arguments(told, functools.partial(load, path)):
+                tell(path)
 
 
 def _noting(refused: list[str]) -> Callable[[str, tuple[Any, ...]], None]:
@@ -146,17 +164,10 @@ def _text(context: Any, given: Any) -> str | None:
     return str(perform_substitutions(context, given))
 
 
-def _told_of(path: str, node: Any, refused: list[str]) -> dict[str, Any]:
-    """Return what a launch file would start, with the launch arguments that change it."""
-    told = _Loading(path, node).result(refused)
-    note_arguments(told, lambda given: _Loading(path, node, given).result(refused), LONGEST / 2)
-    return told
-
-
 class _Loading:
     """A launch file, with every node that it makes, and those that would be started with some launch arguments."""
 
-    def __init__(self, path: str, node: Any, arguments: Mapping[str, str] = MappingProxyType({})) -> None:
+    def __init__(self, path: str, node: Any, arguments: Mapping[str, str]) -> None:
         self.path, self.node, self.given = path, node, arguments
         self.made: list[tuple[Any, dict[str, Any], int | None]] = []
         self.nodes: list[dict[str, Any]] = []

@@ -54,7 +54,7 @@ def load_copies(path: Path, texts: Sequence[bytes], packages: Sequence[SourcePac
             for beside in (entry for entry in path.parent.iterdir() if entry != path):
                 (copy.parent / beside.name).symlink_to(beside)
             copy.write_bytes(text)
-        told = json.loads(_run(copies, packages)) if copies else {}
+        told = _run(copies, packages) if copies else {}
     rows = (told.get(str(copy)) or {"error": None, "faults": [], "nodes": []} for copy in copies)
     return [None if row.get("error") or row.get("faults") else len(row.get("nodes", ())) for row in rows]
 
@@ -77,13 +77,13 @@ def _ask(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, 
     if key not in _told:
         if len(_told) >= _MOST_TOLD:
             _told.clear()
-        _told[key] = _run(paths, packages).replace(root, _ROOT)
+        _told[key] = json.dumps(_run(paths, packages)).replace(root, _ROOT)
     found: dict[str, Any] = json.loads(_told[key].replace(_ROOT, root))
     return found
 
 
-def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
-    """Return what a separate process that loads launch files prints; `{}` if it fails."""
+def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, Any]:
+    """Return what a separate process that loads launch files prints, by file, as far as it comes."""
     with scratch_folder() as folder:
         prefix = folder / "prefix"
         markers = prefix / "share/ament_index/resource_index/packages"
@@ -98,25 +98,25 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> str:
             "ROS_LOG_DIR": str(folder),
             "TMPDIR": str(folder),
         }
-        with (
-            tempfile.TemporaryFile() as told,
-            contextlib.suppress(OSError, ValueError, subprocess.SubprocessError),
-        ):
-            subprocess.run(
-                [sys.executable, "-m", launch_child.__name__, *map(str, paths)],
-                cwd=folder,  # where no file of the student's can shadow what launch imports
-                env={**os.environ, **environ},
-                stdin=subprocess.DEVNULL,
-                stdout=told,
-                stderr=subprocess.DEVNULL,
-                timeout=launch_child.LONGEST,
-                check=True,
-            )
+        with tempfile.TemporaryFile() as told:
+            with contextlib.suppress(OSError, ValueError, subprocess.SubprocessError):
+                subprocess.run(
+                    [sys.executable, "-m", launch_child.__name__, *map(str, paths)],
+                    cwd=folder,  # where no file of the student's can shadow what launch imports
+                    env={**os.environ, **environ},
+                    stdin=subprocess.DEVNULL,
+                    stdout=told,
+                    stderr=subprocess.DEVNULL,
+                    timeout=launch_child.LONGEST,
+                    check=True,
+                )
             told.seek(0)
             said = _as_installed(told.read().decode(errors="replace"), prefix, packages)
-            with contextlib.suppress(ValueError, RecursionError):  # a launch file may print anything
-                return said if isinstance(json.loads(said), dict) else "{}"
-    return "{}"
+    found: dict[str, Any] = {}
+    for line in said.splitlines():
+        with contextlib.suppress(ValueError, TypeError, RecursionError):  # a launch file may print anything
+            found |= json.loads(line)
+    return found
 
 
 def _as_installed(said: str, prefix: Path, packages: Sequence[SourcePackage]) -> str:
