@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,7 @@ def told(given: str, folder: Path, before: str = "", parameters: str = "") -> li
     ]
 
 
+_LATER = itertools.count()
 FAST, OTHER = "LaunchConfiguration('fast')", "{'speed': LaunchConfiguration('other')}"
 
 
@@ -61,6 +63,7 @@ def test_an_argument_that_stands_before_what_sets_its_parameter_changes_nothing(
         f"[{{'speed': {FAST}}}, config], name=['at_', {FAST}]",
         f"[{{'speed': {FAST}}}, config, {{'speed': {FAST}}}]",
         "[{'speed': 0.9}, config]",
+        "[{'speed': __import__('time').time()}, config]",
     ],
 )
 def test_an_argument_that_stands_last_counts(tmp_path: Path, given: str) -> None:
@@ -75,6 +78,8 @@ def test_an_argument_that_stands_last_counts(tmp_path: Path, given: str) -> None
         (lambda given: {"pa": given["a"], "pb": float(given["a"]) * 2}, {"pa": "a", "pb": "a"}, 20),
         (lambda given: {"pa": given["a"], "p": str(given["b"] == "1.5")}, {"pa": "a", "p": "b"}, 20),
         (lambda given: {"pc": given["c"], "p": given["a"]} if given["a"] == "1.5" else {}, {"pc": "c"}, 20),
+        (lambda given: {"pc": given["c"], "at": next(_LATER)}, {"pc": "c"}, 20),
+        (lambda _: {"at": next(_LATER)}, {}, 20),
     ],
 )  # fmt: skip
 def test_the_argument_that_a_parameter_shows_is_told_by_its_value(

@@ -18,7 +18,7 @@ _Place = tuple[int, int, str]
 def note_arguments(told: Mapping[str, Any], load: _Load) -> bool:
     """Note at the nodes of a launch file the arguments that give their parameters; return whether there are any.
 
-    Only of a file in which a later entry may set such a parameter, too.
+    Only of a file in which a later entry may set such a parameter, too, and not what differs without another value.
 
     Args:
         told: what the file starts, as `load` tells it.
@@ -29,9 +29,12 @@ def note_arguments(told: Mapping[str, Any], load: _Load) -> bool:
     if not values or not any(isinstance(entry, dict) for node in nodes for entry in node["given"][:-1]):
         return False
     found = [*_tried(nodes, load, values)]
-    for (node, *place), name in found:
+    again = _values(nodes, load({})) if found else {}
+    steady = {place for place, pair in again.items() if pair[0] == pair[1]}
+    rows = [(place, name) for place, name in found if place in steady]
+    for (node, *place), name in rows:
         nodes[node]["by_argument"].append((*place, name))
-    return bool(found)
+    return bool(rows)
 
 
 def _tried(nodes: _Nodes, load: _Load, values: Mapping[str, str]) -> Iterator[tuple[_Place, str]]:
