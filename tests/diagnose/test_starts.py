@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,8 @@ def started(more: str, folder: Path, given: str = "parameters=[config]") -> list
         (["namespace='a'", "namespace='b'", "namespace='a', name='c'"], ["a", "b", "c"], "__ns:=/a"),
         (["parameters=[config]"], [], ""),
         (["namespace='a'", "namespace='a'"], ["a"], "__ns:=/a"),
+        (["namespace='a'", "namespace='a', parameters=[{'speed': 0.1}]"], ["a", "a 2"], "__ns:=/a"),
+        (["name='a'", "namespace='a'"], ["a", "a 2"], "__node:=a"),
     ],
 )
 def test_an_executable_is_started_as_often_as_launch_does(
@@ -55,6 +58,27 @@ def test_an_executable_is_started_as_often_as_launch_does(
     assert [program.name for program in programs] == ["status_publisher", "velocity_publisher", *others]
     assert all(Path(program.command[0]).name == program.name for program in programs)
     assert not word or word in programs[2].command
+
+
+def test_starts_of_two_packages_have_names_of_their_own(tmp_path: Path) -> None:
+    """Also the first ones, where their executables have the same name."""
+    started(AGAIN.replace("MORE", "namespace='r2'"), tmp_path)
+    for path in [tmp_path / "src/my_bot", tmp_path / "install/my_bot"]:
+        shutil.copytree(path, path.with_name("my_bot2"))
+    renamed = [path for path in tmp_path.rglob("*my_bot") if "my_bot2" in str(path.parent)]
+    for path in sorted(renamed, reverse=True):
+        path.rename(path.with_name("my_bot2"))
+    for path in (tmp_path / "src/my_bot2").rglob("*.*"):
+        path.write_text(path.read_text().replace("my_bot", "my_bot2"))
+    scratch = tmp_path / "more"
+    scratch.mkdir()
+    programs = programs_of(Look(tmp_path, loads=True), {}, scratch)
+    assert [program.name for program in programs] == [
+        *("status_publisher", "velocity_publisher", "status_publisher (2)", "velocity_publisher (2)"),
+        *("velocity_publisher (r2)", "velocity_publisher (r2 2)"),
+    ]
+    assert all(Path(program.command[0]).name == program.name for program in programs)
+    assert {Path(program.command[0]).resolve().parent.name for program in programs[2:4]} == {"my_bot2"}
 
 
 def test_there_are_not_too_many_and_each_executable_is_among_them(tmp_path: Path) -> None:

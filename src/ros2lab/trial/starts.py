@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import contextlib
+import itertools
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -34,41 +35,46 @@ def programs_of(look: Look, overlay: Mapping[str, str], folder: Path) -> list[Pr
     """
     private = ("HOME", "PWD", "OLDPWD", "SHLVL", "_")
     environ = {name: value for name, value in overlay.items() if name not in private}
-    programs, others = list[Program](), list[Program]()
+    programs, others, taken = list[Program](), list[Program](), set[str]()
+
+    def program(package: SourcePackage, path: Path, start: Started | None, label: str = "") -> Program:
+        """Return a start of an executable; what a program notes is found by its name, so no other start has it."""
+        numbers = (f"{label} {number}".strip() for number in itertools.count(2))
+        names = (f"{path.name} ({one})" if one else path.name for one in itertools.chain([label], numbers))
+        name = next(name for name in names if name not in taken)
+        taken.add(name)
+        if name != path.name:
+            (folder / name).symlink_to(path)
+            path = folder / name
+        given = (
+            _arguments(start, folder / f"{name}.yaml") if start else own_file(package, executable_of(name))
+        )
+        return Program(name, [path, *given], environ)
+
     for package in look.packages:
         prefix = prefix_of(look.root, package.name)
         for path in sorted((prefix / "lib" / package.name).glob("*")) if prefix else ():
             if not path.is_file() or not path.stat().st_mode & 0o111:
                 continue
             first = look.launched.get((package.name, path.name))
-            values = folder / f"{package.name}-{path.name}.yaml"
-            arguments = _arguments(first, values) if first else own_file(package, path.name)
-            programs.append(Program(path.name, [path, *arguments], environ))
-            for start, label in _others(look, first) if first else ():
-                # What a program notes is found by the name under which it is started.
-                link = folder / f"{path.name} ({label})"
-                link.symlink_to(path)
-                arguments = _arguments(start, folder / f"{link.name}.yaml")
-                others.append(Program(link.name, [link, *arguments], environ))
+            programs.append(program(package, path, first))
+            others += [program(package, path, *other) for other in (_others(look, first) if first else ())]
     return [*programs, *others][:MOST_PROGRAMS]
 
 
 def _others(look: Look, first: Started) -> Iterator[tuple[Started, str]]:
-    """Yield the other starts of an executable in its launch file, each with what tells it from the others."""
+    """Yield the other starts of an executable in its launch file, each with what tells it from the first, if anything."""
     files = (started_in(file, look.with_sources) for file in look.launch_files)
     beside = next((nodes for nodes in files if first in nodes), [])
-    labels, known = set[str](), set[str]()
+    known = set[str]()
     for start in (node for node in beside if node.package is first.package):
         given = start.launched
         what = repr((start.name, start.namespace, given.remappings, given.given, given.arguments))
         if given.executable == first.launched.executable and what not in known:
-            own = start.name if start.name != first.name else start.namespace
-            label = own.strip("/").replace("/", ".")
-            label = label if label and label not in labels else f"{len(known) + 1}"
+            names = ((start.name, first.name), (start.namespace, first.namespace))
             if known:  # it is not the first
-                yield start, label
+                yield start, next((own.strip("/").replace("/", ".") for own, its in names if own != its), "")
             known.add(what)
-            labels.add(label)
 
 
 def own_file(package: SourcePackage, program: str) -> list[str]:
