@@ -112,6 +112,8 @@ SEND = "self.publish(self.count)"
         (f"for one in self.items[3:]: {SEND}", ["the loop over self.items[3:] on line 23 had nothing to go through"], 0),
         (f"try:\n    total = self.items[7]\n    {SEND}\nexcept Exception:\n    pass", ["line 24 failed with IndexError: list index out of range (self.items was a list of 3 (1, 2, 3))", "the `except` on line 26 caught 5 times"], 1),
         (f"match self.state:\n    case 'busy': {SEND}", ["`case 'busy'` was never taken (self.state was 'idle' each time)"], 1),
+        (f"match self.count % 7 > 20:\n    case True: {SEND}", ["`case True` was never taken (self.count % 7 > 20 was False each time)"], 1),
+        (f"match self.count % 7 > 20 and not self.ready:\n    case True: {SEND}", ["`case True` was never taken"], 1),
         (f"if not (self.count % 7 < 99 or self.ready): {SEND}", ["`self.count % 7 < 99` was always true in 5 checks"], 0),
         (f"if 90 < self.count % 7 < 99: {SEND}", ["`90 < self.count % 7 < 99` was never true in 5 checks (self.count % 7 was between 1 and 6)"], 0),
         (f"ready = self.count > 3\nif self.ready: {SEND}", ["self.ready was False"], None),

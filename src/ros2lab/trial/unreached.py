@@ -225,7 +225,7 @@ class Unreached:
 
     def _untaken(self, source: PythonSource, case: ast.match_case, steps: int) -> Reason | None:
         match, line = source.above(case), case.pattern.lineno
-        seen = self.record.test(source, match.subject) if isinstance(match, ast.Match) else None
+        seen = self.record.test(source, match) if isinstance(match, ast.Match) else None
         if not isinstance(match, ast.Match) or seen is None:
             return self._why(source, match, steps)
         if case.guard and any(self._outcomes(source, case.guard)):

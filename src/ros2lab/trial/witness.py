@@ -206,7 +206,7 @@ class _Noting(ast.NodeTransformer):
                 self.loops[self._key(node.iter)] = _Loop()
                 node.iter = self._call(node.iter, _LOOPS, "over", node.iter)
         elif isinstance(node, ast.Match):
-            node.subject = self._test(node.subject, "seen", _Test(1), node.subject)
+            node.subject = self._test(node, "seen", _Test(1), node.subject)  # it may be a test itself
         elif isinstance(node, ast.match_case):
             node.guard = node.guard and self._condition(node.guard)
             node.body.insert(0, self._mark(node.pattern, node.body[0]))
@@ -248,7 +248,7 @@ class _Noting(ast.NodeTransformer):
                 return self._test(test, "outcome", noting, test)
         return self._test(test, "noted", _Test(1), test)
 
-    def _test(self, node: ast.expr, method: str, noting: _Test, *given: ast.expr) -> ast.expr:
+    def _test(self, node: ast.expr | ast.Match, method: str, noting: _Test, *given: ast.expr) -> ast.expr:
         self.tests[self._key(node)] = noting
         return self._call(node, _TESTS, method, *given)
 
@@ -268,7 +268,7 @@ class _Noting(ast.NodeTransformer):
     def _noting(self, name: str, beside: ast.stmt, given: ast.expr) -> ast.stmt:
         return ast.copy_location(ast.Expr(ast.Call(ast.Name(name, ast.Load()), [given], [])), beside)
 
-    def _call(self, node: ast.expr, holder: str, method: str, *given: ast.expr) -> ast.expr:
+    def _call(self, node: ast.expr | ast.Match, holder: str, method: str, *given: ast.expr) -> ast.expr:
         found = ast.Subscript(ast.Name(holder, ast.Load()), ast.Constant(self._key(node)), ast.Load())
         return ast.copy_location(ast.Call(ast.Attribute(found, method, ast.Load()), [*given], []), node)
 
