@@ -43,10 +43,12 @@ def heard(value: Any = 0.5, gap: float = 0.5, log: Sequence[str] = ()) -> dict[s
 def record(*parts: dict[str, Any], taken: bool = True, reason: str = "") -> dict[str, Any]:
     """Return what the observer tells of a run in which `speed` was set to 0.25, and back."""
     call = {"node": f"/{NAME}", "name": "speed", "taken": taken, "reason": reason}
-    sets = [{**call, "value": value, **part} for value, part in zip((0.25, 0.5), parts, strict=True)]
+    pairs = zip((0.25, 0.5), parts, strict=True)
+    sets = [{**call, "value": value, "back": value == 0.5, **part} for value, part in pairs]
     return {"controls": [heard()] * 3, "sets": sets}
 
 
+REFUSED = {"taken": False, "reason": "too slow"}
 SAME = record(heard(), heard())
 STARTS = {"controls": [heard(0.25)] * 3}
 
@@ -90,6 +92,10 @@ def written(tmp_path: Path, init: str = TIMER, used: str = USED, method: str = "
         ((KEPT, USED, STORES), record(heard(), heard(gap=0.25)), ["callback-waits"]),
         ((KEPT, USED, STORES), record(heard(), heard(gap=4.0)), []),  # late once, which may be chance
         ((KEPT, USED, STORES), record(heard(0.25), heard()), []),
+        ((KEPT, USED, STORES), record(REFUSED, heard(0.25)), []),
+        ((KEPT, USED, STORES), record(REFUSED, {**heard(0.25), "back": False}), []),  # the next one, which ended it
+        ((KEPT, USED, STORES), record(heard(), {**heard(0.25), "back": False}), []),
+        ((KEPT, USED, STORES), record(heard(), REFUSED), []),
         # It refuses all, and says nothing.
         ((KEPT, USED, LOGS.replace("successful=True", "")), record({}, {}, taken=False), ["value-none"]),
         ((KEPT, USED, LOGS.replace("True", "False")), record({}, {}, taken=False), []),  # on purpose

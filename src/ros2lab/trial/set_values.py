@@ -61,12 +61,12 @@ def settings_of(result: Mapping[str, Any]) -> Iterator[Setting]:
     """Yield what was set, by what the observer has told."""
     for (node, name), made in groupby(result.get("sets", ()), lambda one: (one["node"], one["name"])):
         *others, back = made
-        if others:
+        if others and back["back"]:  # not where the program ended before
             there = others[-1]
             news, olds = (_changes(result, one) if one["taken"] else {} for one in (there, back))
             changes = [one for key, one in news.items() if key not in olds and _is_sure(*one)]
-            late = [one for one in olds.values() if not news and _is_sure(*one)]
             taken = there["taken"] if there["taken"] == back["taken"] else None
+            late = [one for one in olds.values() if taken and not news and _is_sure(*one)]
             reason, is_idle = there["reason"] or back["reason"], bool(taken) and not (news or olds)
             value, shown = there["value"], f"{name} = {value_of(there['value'])}"
             yield Setting(node, name, shown, value, taken, reason, changes, late, is_idle)

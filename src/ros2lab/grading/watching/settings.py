@@ -46,7 +46,7 @@ class Settings(Given):
         for node, name, old, others in tried[:MOST]:
             if node in watch.nodes() and node not in watch.twins:
                 any(self._set(node, name, value) for value in others)  # the first may be refused
-                self._set(node, name, old)
+                self._set(node, name, old, is_back=True)
 
     def _hear(self) -> dict[str, Any]:
         """Return what is published and logged for some time, while the same is given as in all other times."""
@@ -61,7 +61,7 @@ class Settings(Given):
             watch.check()
         return {"topics": watch.part(), "log": watch.log_part()}
 
-    def _set(self, node: str, name: str, value: Any) -> bool:
+    def _set(self, node: str, name: str, value: Any, *, is_back: bool = False) -> bool:
         """Set a parameter, and note the answer and what followed; return whether it was taken."""
         watch = self._watch
         self._note_ends()
@@ -74,7 +74,7 @@ class Settings(Given):
             raise Gone  # its program has ended, or does nothing more
         watch.node.destroy_client(client)
         result, told = answer.result().results[0], {"node": node, "name": name, "value": value}
-        told |= {"taken": result.successful, "reason": result.reason}
+        told |= {"taken": result.successful, "reason": result.reason, "back": is_back}
         self._sets.append({**told, **(self._hear() if result.successful else {})})
         return bool(result.successful)
 
