@@ -86,6 +86,9 @@ def written(tmp_path: Path, init: str = TIMER, used: str = USED, method: str = "
         ((KEPT, READ, LOGS), SAME, []),
         ((KEPT, USED, STORES + "\n    def start(self):\n        self.now = self.speed\n"), SAME, []),
         ((KEPT, USED, STORES + "\n    def work(self, name):\n        return self.get_parameter(name)\n"), SAME, []),
+        ((KEPT + "        self.kind = 'speed'\n", USED, LOGS + "\n    def work(self):\n        return self.get_parameter(self.kind)\n"), SAME, []),
+        ((KEPT, USED, LOGS + "\n    def work(self, names):\n        return self.get_parameter(names[0])\n"), SAME, []),
+        ((KEPT, USED, LOGS + "\n    def work(self):\n        return self.get_parameter('gain')\n"), SAME, ["parameter-once"]),
         ((KEPT + "        # speed: restart to change it\n", USED, LOGS), SAME, []),
         # The callback is one change behind.
         ((KEPT, USED, STORES), record(heard(), heard(0.25)), ["callback-waits"]),

@@ -64,7 +64,8 @@ class _Code:
         """Return whether anything but the constructors and the callbacks may take a new value."""
         uses = uses_of(self.files)
         stored = {n.attr for n in self.reached if is_self_attribute(n) and isinstance(n.ctx, ast.Store)}
-        others = {id(call.func) for _, call in self._calls if getattr(call.args[0], "value", name) != name}
+        plain = [(call, call.args[0]) for _, call in self._calls if isinstance(call.args[0], ast.Constant)]
+        others = {id(call.func) for call, given in plain if given.value != name}
         for _, function, node in self._nodes:
             if function is None or function.name == "__init__" or node in self.reached:
                 continue
