@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -18,6 +19,12 @@ WORDS = [["mode", "slow", "fast"], ["kind"], ["state", "idle", "running"]]
         ("gain", 0.0, [1.0]),
         ("count", 10, [5, 20, 11]),
         ("count", 1, [2, 2]),
+        ("limit", 2**63 - 1, [2**62]),
+        ("limit", -(2**63), [-(2**62), 1 - 2**63]),
+        ("most", 1.5e308, [7.5e307]),
+        ("most", math.inf, []),
+        ("least", -math.inf, []),
+        ("offset", math.nan, []),
         ("loud", True, [False]),
         ("mode", "slow", ["fast"]),
         ("mode", "odd", ["slow"]),  # what is compared has its name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -87,8 +88,9 @@ def other_values(name: str, value: Any, words: Sequence[Sequence[str]] | None) -
         case bool():
             return [not value]
         case int() | float():
-            near = [type(value)(other) for other in (value / 2, value * 2, value + 1)]
-            return [other for other in near if other not in (0, value)]
+            near = [type(value)(value / 2), value * 2, value + 1]
+            is_valid = math.isfinite if type(value) is float else range(-(2**63), 2**63).__contains__
+            return [other for other in near if other not in (0, value) and is_valid(other)]
         case str():
             kin = (texts for key, *texts in words if value in texts or key == name)
             return [text for texts in kin for text in texts if text != value][:1]
