@@ -6,12 +6,14 @@ import contextlib
 import math
 import sys
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import pytest
+from rclpy.node import Node
 from std_msgs.msg import String
 
 from ros2lab.grading.sandbox.worlds import World
-from ros2lab.grading.watching import observe
+from ros2lab.grading.watching import ends, observe
 from ros2lab.grading.watching.job import Job, Program
 from ros2lab.grading.watching.observe import SHOWN, Observer
 from ros2lab.grading.watching.participants import Participants
@@ -68,9 +70,19 @@ def test_a_participant_for_another_type_is_waited_for_until_it_has_met_the_publi
         assert not participants.lags()
         publisher = domain.node.create_publisher(String, "/spoken", 1)
         assert domain.wait(lambda: not participants.lags())
-        monkeypatch.setattr(other, "count_publishers", lambda _: 0)  # as before it has met it
+        publishers = ends.publishers
+
+        def unmet(node: Node, topic: str) -> list[SimpleNamespace]:
+            return [] if node is other else publishers(node, topic)  # as before it has met them
+
+        monkeypatch.setattr(ends, "publishers", unmet)
         assert participants.lags()
-        domain.node.destroy_publisher(publisher)
+        participants.give_up()
+        assert not participants.lags()
+        second = domain.node.create_publisher(String, "/spoken", 1)
+        assert domain.wait(participants.lags)  # for another one
+        for each in (publisher, second):
+            domain.node.destroy_publisher(each)
         assert domain.wait(lambda: not participants.lags())
 
 

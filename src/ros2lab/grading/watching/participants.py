@@ -31,6 +31,7 @@ class Participants(Listener):
         self._listeners = list[Listener]()
         self._types: list[dict[str, str]] = [{}]  # by topic, the type that each of them holds
         self._open = contextlib.ExitStack()
+        self._missed = set[tuple[Node, bytes]]()  # ends that a participant is not expected to meet any more
         self.prefixes: set[bytes] = set()
 
     def holding(self, topic: str, type_name: str) -> Node:
@@ -43,12 +44,19 @@ class Participants(Listener):
 
     def lags(self) -> bool:
         """Return whether one of them has still to meet a publisher of its topics that the observer's own has met."""
-        met = self.nodes[0].count_publishers
-        return any(
-            node.count_publishers(topic) < met(topic)
+        return bool(self._unmet())
+
+    def give_up(self) -> None:
+        """Wait no longer for those that are still to be met: their programs may have been killed before one joined."""
+        self._missed |= self._unmet()
+
+    def _unmet(self) -> set[tuple[Node, bytes]]:
+        return {
+            (node, end)
             for node, types in zip(self.nodes[1:], self._types[1:], strict=True)
             for topic in types
-        )
+            for end in _ends(self.nodes[0], topic) - _ends(node, topic)
+        } - self._missed
 
     def _join(self) -> Node:
         context = Context()
@@ -75,3 +83,7 @@ class Participants(Listener):
         """Leave the domain, except by the observer's own participant. Closing twice does no harm."""
         super().close()
         self._open.close()
+
+
+def _ends(node: Node, topic: str) -> set[bytes]:
+    return {bytes(info.endpoint_gid) for info in ends.publishers(node, topic)}

@@ -210,7 +210,8 @@ class Watch(ObservedDomain):
         is_new = self.look()
         if self._at_each_turn:
             self._at_each_turn()
-        self.until(lambda: not self._participants.lags(), self.patience)
+        if not self.until(lambda: not self._participants.lags(), self.patience):
+            self._participants.give_up()
         if is_new and self.is_answering:
             # A program that answers a new client knows of the endpoints that were made here before.
             self.forget_questions()
