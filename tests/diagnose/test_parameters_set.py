@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,9 +16,11 @@ from test_trial import build, run_of
 from ros2lab import assignments
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.grading.watching.job import Job, Program
 from ros2lab.trial import try_out
 from ros2lab.trial.given import GivenRun
 from ros2lab.trial.parameters import parameter_faults, told_of_set
+from ros2lab.trial.run import _OwnJob, _set
 from ros2lab.trial.seen import Seen
 from ros2lab.trial.set_values import compared_words, settings_of, started_with, told
 
@@ -170,6 +174,45 @@ def test_texts_are_set_that_the_code_compares_with_the_same(tmp_path: Path) -> N
     assert ["mode", "slow", "fast"] in [[name, *sorted(texts, reverse=True)] for name, *texts in words or ()]
     files = right_workspace().change("driver", "self.declare_parameter('speed', 0.5)", "pass")
     assert compared_words(Look(files.write(tmp_path / "two"))) is None
+
+
+MORE = f"{KEPT}        self.declare_parameter('gain', 1.0)\n"
+
+
+@pytest.mark.parametrize(
+    ("init", "used", "method", "result", "tried"),
+    [
+        (KEPT, USED, LOGS, SAME, ["speed:=0.25"]),
+        (MORE, USED, LOGS, SAME, ["speed:=0.25"]),  # nothing reads the other one
+        (f"{MORE}        self.gain = self.get_parameter('gain').value\n", USED, LOGS, SAME, ["speed:=0.25", "gain:=0.25"]),
+        (MORE.replace("self.declare", "self.gain = self.declare"), USED, LOGS, SAME, ["speed:=0.25", "gain:=0.25"]),
+        (KEPT, READ, LOGS, SAME, []),
+        (f"{KEPT}        # speed: restart to change it\n", USED, LOGS, SAME, []),
+        (KEPT, USED, LOGS, record(heard(0.25), heard()), []),
+    ],
+)  # fmt: skip
+def test_programs_are_started_anew_only_where_that_tells_something(
+    tmp_path: Path, *, init: str, used: str, method: str, result: dict[str, Any], tried: list[str]
+) -> None:
+    """On the clock that was stepped, or on the real one, as when the values were set."""
+    watched = list[Job]()
+    observer: Any = SimpleNamespace(watch=lambda jobs, within: watched.extend(jobs if within < 20 else []))
+    others = [{**one, "name": "gain"} for one in result["sets"]]
+    seen = Seen(
+        Look(written(tmp_path, init, used, method)),
+        assignments.load(),
+        [run_of(NAME, TOPIC, TWIST, None)],
+        [],
+    )
+    for is_stepped in (True, False):
+        watched.clear()
+        with contextlib.ExitStack() as leases:
+            job = _OwnJob(leases, [Program(NAME, [])], plan={"settings": []}, is_stepped=is_stepped)
+            job.result = {**result, "sets": [*result["sets"], *others]}
+            _set(observer, leases, job, seen)
+        found = [word for one in watched for program in one.programs for word in program.parameters]
+        assert (len(watched), found) == (len(tried) + bool(tried), tried)
+        assert {one.is_stepped for one in watched} == ({is_stepped} if tried else set())
 
 
 def test_a_callback_that_keeps_nothing_is_seen_in_a_real_run(tmp_path: Path) -> None:

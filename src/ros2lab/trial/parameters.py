@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 _OTHERWISE = re.compile(r"\w*Parameter(Event|Client)\w*|SetParameters|(parameter_ev|set_param)\w+")
 # What a line may say of a parameter that is for the start only.
 _START = re.compile(r"start|launch|\bonce\b|initial|fixed|constant", re.IGNORECASE)
+_READS = re.compile(r"(get|declare)_parameter\w*")
 
 
 class _Code:
@@ -56,9 +57,14 @@ class _Code:
         return any(re.search(rf"\b{re.escape(name)}\b", row) for row in self._rows)
 
     def read(self, name: str) -> str:
-        """Return the place where a parameter is read, or else declared."""
-        given = [(s, n, last_name(n.func)) for s, n in self._calls if getattr(n.args[0], "value", "") == name]
-        return next((s.at(n) for s, n, how in sorted(given, key=lambda one: one[2] != "get_parameter")), "")
+        """Return the place where the value of a parameter is taken, or else that given when it is declared."""
+        used = [(s, n, last_name(n.func)) for s, n in self._calls if not isinstance(s.above(n), ast.Expr)]
+        given = [one for one in used if name in _texts(one[1].args[0]) and _READS.fullmatch(one[2])]
+        return next((s.at(n) for s, n, how in sorted(given, key=lambda one: one[2][0] != "g")), "")
+
+    def is_once(self, name: str) -> bool:
+        """Return whether a parameter is read, but not where it may have changed, and nothing says that this is meant."""
+        return self.read(name) != "" and not (self.is_for_start(name) or self.may_change_later(name))
 
     def may_change_later(self, name: str) -> bool:
         """Return whether anything but the constructors and the callbacks may take a new value."""
@@ -75,6 +81,12 @@ class _Code:
             if is_kept or (attr.startswith("get_parameter") and id(node) not in others):
                 return True
         return any(map(_OTHERWISE.fullmatch, uses.named))
+
+
+def is_to_start(seen: Seen, setting: Setting) -> bool:
+    """Return whether a start with a value that was set in vain shows something that can be told."""
+    programs = [run.programs[0] for run in seen.alone if setting.is_idle and setting.node in run.nodes]
+    return any(_Code(seen, program).is_once(setting.name) for program in programs)
 
 
 def parameter_faults(
@@ -126,8 +138,7 @@ def _fault(setting: Setting, code: _Code, declared: Iterable[str]) -> Finding | 
 
 def _is_in_vain(setting: Setting, code: _Code) -> bool:
     """Return whether a value counts at the start, and was taken later without any effect, which nothing says to be meant."""
-    name, is_seen = setting.name, bool(setting.at_start)
-    return is_seen and code.read(name) != "" and not (code.is_for_start(name) or code.may_change_later(name))
+    return bool(setting.at_start) and code.is_once(setting.name)
 
 
 def _in_vain(setting: Setting) -> str:
@@ -146,3 +157,7 @@ def told_of_set(seen: Seen, ran: GivenRun | None) -> Iterator[str]:
                 yield f"{setting.node} refused {setting.shown}{why}."
             elif not code.callbacks and _is_in_vain(setting, code):
                 yield f"{_in_vain(setting)}: it is read once, at {code.read(setting.name)}."
+
+
+def _texts(node: ast.expr) -> set[object]:
+    return {one.value for one in ast.walk(node) if isinstance(one, ast.Constant)}

@@ -13,6 +13,7 @@ import re
 import socket
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +37,7 @@ from ros2lab.trial.ends import UNKNOWN_WORD
 from ros2lab.trial.given import GivenRun, given_faults, open_contents, told_of_given
 from ros2lab.trial.held_back import with_reasons
 from ros2lab.trial.moving import may_move, still_moving
-from ros2lab.trial.parameters import parameter_faults, told_of_set
+from ros2lab.trial.parameters import is_to_start, parameter_faults, told_of_set
 from ros2lab.trial.retold import without_retold
 from ros2lab.trial.rivals import rival_faults, told_of_rivals
 from ros2lab.trial.seen import Seen, seen_faults
@@ -53,7 +54,8 @@ from ros2lab.workspace import Workspace
 _TRACEBACK = "Traceback (most recent call last)"
 _CHAINED = re.compile(r"exception(?: occurred)?:\s*\Z")  # the traceback after it belongs to the one before
 _BRIEF = {"is_brief": True}
-_LONGER = {**_BRIEF, "has_commands": False, "longer": 30.0}  # s of the stepped clock
+_LONGER = {**_BRIEF, "has_commands": False, "keeps_clock": True, "longer": 30.0}  # s of the stepped clock
+_STARTS = 10.0  # s for starts with other parameters
 
 
 @dataclass(frozen=True)
@@ -151,7 +153,8 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
             jobs.append(_OwnJob(leases, more, contents=contents))
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch([*jobs, *setting])[: len(jobs)]
-            ran = _set(observer, leases, setting[0], runs[: len(programs)]) if setting else None
+            before = Seen(look, assignment, runs[: len(programs)], [])
+            ran = _set(observer, leases, setting[0], before) if setting else None
             sent = [job.sent(more_notes if job.setting == GIVEN else notes) for job in jobs]
             noted = witnessed(notes, look)
             for place in _asked_again(runs[: len(programs)], sent, noted):
@@ -193,19 +196,19 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
     return seen, noted, [given, ran]
 
 
-def _set(observer: Observer, leases: contextlib.ExitStack, job: _OwnJob, alone: Sequence[Run]) -> GivenRun:
+def _set(observer: Observer, leases: contextlib.ExitStack, job: _OwnJob, seen: Seen) -> GivenRun:
     """Return what came of the parameters that a job has set; where nothing did, also what they do at the start."""
-    found, nodes = [*settings_of(job.result)], {run.programs[0]: run.nodes for run in alone}
-    plan, tried = {**job.plan, "settings": None}, dict[int, _OwnJob]()
-    again = _OwnJob(leases, job.programs, plan=plan)  # shows what differs from start to start
+    found, nodes = [*settings_of(job.result)], {run.programs[0]: run.nodes for run in seen.alone}
+    plan, tried = {**job.plan, "settings": None, "keeps_clock": True}, dict[int, _OwnJob]()
+    start = partial(_OwnJob, leases, plan=plan, is_stepped=job.is_stepped)
+    again = start(job.programs)  # shows what differs from start to start
     for number, one in enumerate(found):
         own = [f"{one.name}:={json.dumps(one.value)}"]
         programs = [replace(p, parameters=own) if nodes[p.name] == [one.node] else p for p in job.programs]
-        tried |= {number: _OwnJob(leases, programs, plan=plan)} if one.is_idle else {}
-    observer.watch([again, *tried.values()] if tried else [])
+        tried |= {number: start(programs)} if programs != job.programs and is_to_start(seen, one) else {}
+    observer.watch([again, *tried.values()] if tried else [], within=_STARTS)
     for number, other in tried.items():
-        is_alike = job.is_stepped == again.is_stepped == other.is_stepped
-        if is_alike and again.result and not (again.ended or other.ended):
+        if again.result and other.result and not (again.ended or other.ended):
             chance = {change[0] for change in started_with(job.result, again.result)}
             changes = [one for one in started_with(job.result, other.result) if one[0] not in chance]
             found[number] = replace(found[number], at_start=changes)
@@ -315,11 +318,13 @@ class _OwnJob(Job):
         *,
         plan: Mapping[str, Any] | None = None,
         contents: Contents | None = None,
+        is_stepped: bool = True,
     ) -> None:
         self._lease = leases.enter_context(contextlib.closing(socket.socket(socket.AF_UNIX)))
         self._own = leased(self._lease)
         if contents is None:
-            super().__init__(programs, "together" if len(programs) > 1 else "alone")
+            setting = "together" if len(programs) > 1 else "alone"
+            super().__init__(programs, setting, is_stepped=is_stepped)
             self.plan |= plan or {}
         else:
             super().__init__(programs, GIVEN, has_commands=False, is_stepped=False, contents=contents)

@@ -108,8 +108,7 @@ class Conductor:
                 except NotStepped as reason:
                     # Which of two nodes with the same name shows it first is chance.
                     why = TWINS if self._has_twin(watch) else str(reason)
-                    do = "failed" if self.plan.get("longer") else "real"  # nothing else was to be seen
-                    self._say(do, why=why, parameters=self._first_values)
+                    self._say("real", why=why, parameters=self._first_values)
                     return
                 except Gone:
                     pass

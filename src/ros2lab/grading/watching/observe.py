@@ -99,11 +99,12 @@ class Observer:
             self.close()
             raise
 
-    def watch(self, jobs: Sequence[Job]) -> list[Run]:
+    def watch(self, jobs: Sequence[Job], *, within: float = math.inf) -> list[Run]:
         """Run the jobs, a few at a time, and return a Run for each; no job hears another's programs.
 
         The Run of a job that could not be watched has a note that says so; a job for which no time was left
-        is unfinished. Each job has a share of the time, so that a slow one leaves some for the others.
+        is unfinished. Each job has a share of the time, so that a slow one leaves some for the others. None is
+        started after so many seconds as they all should end `within`, nor takes twice as many.
         """
         try:
             self._furnish(len(jobs))
@@ -113,7 +114,7 @@ class Observer:
         start = time.monotonic()
         while waiting or any(room.job for room in self._rooms):
             spent = time.monotonic() - start
-            if spent > self._seconds_left:
+            if spent > min(self._seconds_left, within):
                 for job in waiting:
                     job.unfinished = f"others of the submission took {self._seconds:g} s"
                 waiting.clear()
@@ -121,7 +122,7 @@ class Observer:
                 if waiting and not room.job:
                     left = AT_A_TIME * self._seconds_left - spent
                     share = left / max(1.0, len(waiting) / len(self._rooms)) / 2  # for each of the two clocks
-                    room.take(waiting.popleft(), min(RUN_TIMEOUT, max(LEAST_TIMEOUT, share)))
+                    room.take(waiting.popleft(), min(RUN_TIMEOUT, 2 * within, max(LEAST_TIMEOUT, share)))
             select.select(self._rooms, [], [], POLL)
             for room in self._rooms:
                 room.go_on()
@@ -251,7 +252,7 @@ class _Room:
         self._tell(job, domain=job.domain, is_stepped=job.is_stepped, seconds=job.seconds, **job.plan)
 
     def _begin_on_the_real_clock(self, job: Job, why: str) -> None:
-        if job.is_shared:
+        if job.is_shared or job.plan.get("keeps_clock"):
             self._finish(job, {})
             return
         job.kill()
