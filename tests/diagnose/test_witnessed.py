@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from workspace_files import NAMES, Files
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.trial import witness
 from ros2lab.trial.witnessed import environ_in, witnessed
 from ros2lab.trial.witnessed import is_contradicted as judged
 
@@ -304,3 +306,26 @@ def test_the_classes_of_the_objects_are_noted(tmp_path: Path) -> None:
         lines[line - 1].partition("(")[0].partition(":")[0] for _, line in witnessed(notes, Look(root)).called
     }
     assert ran == {"    def tell", "class Lion", "    def __init__", "class Den"}
+
+
+@pytest.mark.parametrize(
+    ("pairs", "times", "most"),
+    [
+        ([("idle", "busy")], 2000, 1),
+        ([("idle", "busy"), ("busy", "idle"), ("idle", "idle")], 2000, 3),
+        ([(f"tick {number}", "stop") for number in range(2000)], 1, 1000),
+        ([("idle", ["busy", "done"])], 2000, 1000),
+        ([(1, 2), (1, "one"), (None, ["one"])], 2000, 0),
+    ],
+)
+def test_texts_that_were_compared_before_cost_no_time(
+    pairs: list[tuple[object, object]], times: int, most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nor do those of a place where very many were compared."""
+    met = list[object]()
+    monkeypatch.setattr(witness, "_meet", lambda *pair: met.append(pair))
+    looked = witness._looking(operator.eq)
+    for pair in pairs * times:
+        assert looked(*pair) == operator.eq(*pair)
+    assert len(met) <= most
+    assert {*map(repr, met)} == {*map(repr, pairs)} or most in (0, 1000)

@@ -38,7 +38,7 @@ _LARGEST = 1e300  # what is greater may be no float, or infinite
 _EXITS = (ast.Return, ast.Continue, ast.Break, ast.Raise)
 _DEFINED = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 _LONGEST_MESSAGE, _MOST_TIMES, _MOST_ERRORS = 200, 1000, 50
-_LONGEST_TEXT, _MOST_TEXTS, _MOST_PAIRS = 30, 20, 200
+_LONGEST_TEXT, _MOST_TEXTS, _MOST_PAIRS, _MOST_MET = 30, 20, 200, 500
 _SIGNS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     **{ast.Eq: operator.eq, ast.NotEq: operator.ne, ast.Is: operator.is_, ast.IsNot: operator.is_not},
     **{ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge},
@@ -51,9 +51,9 @@ _LOOKS = (ast.Eq, ast.NotEq, ast.In, ast.NotIn)
 _pairs: dict[tuple[str, tuple[str, ...]], None] = {}  # a text, and those that it was compared with at once
 
 
-def _meet(left: Any, right: Any) -> None:
+def _meet(left: str, right: Any) -> None:
     """Note texts that are compared."""
-    if type(left) is str and len(left) <= _LONGEST_TEXT and len(_pairs) < _MOST_PAIRS:
+    if len(left) <= _LONGEST_TEXT and len(_pairs) < _MOST_PAIRS:
         others = (right,) if type(right) is str else right if type(right) in HOLDERS else ()
         with contextlib.suppress(RuntimeError):  # another thread changes it
             first = itertools.islice(others, _MOST_TEXTS)
@@ -61,8 +61,17 @@ def _meet(left: Any, right: Any) -> None:
 
 
 def _looking(sign: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Return a comparison at one place, which notes the texts of its first times; two that it has met cost no time."""
+    met: set[tuple[str, str]] = set()
+    room = _MOST_MET
+
     def looked(left: Any, right: Any) -> Any:
-        _meet(left, right)
+        nonlocal room
+        if room and type(left) is str and (type(right) is not str or (left, right) not in met):
+            room -= 1
+            if type(right) is str:
+                met.add((left, right))
+            _meet(left, right)
         return sign(left, right)
 
     return looked
@@ -112,7 +121,8 @@ class _Test:
     """How often a test was true and false, with its sides; of two floats, also the values with which they nearly were equal."""
 
     def __init__(self, sides: int, sign: Callable[[Any, Any], Any] | None = None) -> None:
-        self.sign, self.sides = sign, tuple(_Side() for _ in range(sides))
+        self.sign, self.is_equality = sign and _looking(sign), sign is operator.eq
+        self.sides = tuple(_Side() for _ in range(sides))
         self.held = self.failed = 0
         self.near: list[str] = []
 
@@ -138,11 +148,10 @@ class _Test:
         return value
 
     def compared(self, left: Any, right: Any) -> Any:
-        _meet(left, right)
         result = self.sign(left, right)  # type: ignore[misc]
         self.sides[0].note(left)
         self.sides[1].note(right)
-        if self.sign is operator.eq and (type(left) is float or type(right) is float):
+        if self.is_equality and (type(left) is float or type(right) is float):
             kinds = {type(left), type(right)}
             with contextlib.suppress(OverflowError):  # of an int that is no float
                 if kinds <= NUMBERS and not result and math.isclose(left, right, rel_tol=1e-9, abs_tol=1e-9):
@@ -184,6 +193,7 @@ class _Noting(ast.NodeTransformer):
     def __init__(self, path: str, tree: ast.Module, changes: Changes) -> None:
         self.path, self.changes = path, Noting(tree, self._key, changes)
         self.tests: dict[str, _Test] = {}
+        self.looks: dict[str, Callable[[Any, Any], Any]] = {}
         self.loops: dict[str, _Loop] = {}
         self.marks: dict[str, Callable[[], int]] = {}
 
@@ -192,9 +202,8 @@ class _Noting(ast.NodeTransformer):
         if isinstance(node, (ast.If, ast.While, ast.IfExp, ast.Assert)):
             node.test = self._condition(node.test)
         elif isinstance(node, ast.Compare) and len(node.ops) == 1 and isinstance(node.ops[0], _LOOKS):
-            looked = ast.Subscript(
-                ast.Name(_TEXTS, ast.Load()), ast.Constant(type(node.ops[0]).__name__), ast.Load()
-            )
+            self.looks[self._key(node)] = _looking(_SIGNS[type(node.ops[0])])
+            looked = ast.Subscript(ast.Name(_TEXTS, ast.Load()), ast.Constant(self._key(node)), ast.Load())
             call = ast.copy_location(ast.Call(looked, [node.left, *node.comparators], []), node)
             call.compare = node  # type: ignore[attr-defined]
             return call
@@ -349,6 +358,7 @@ def begin() -> None:
         return
     sender.begin(folder)
     tests: dict[str, _Test] = {}
+    looks: dict[str, Callable[[Any, Any], Any]] = {}
     loops: dict[str, _Loop] = {}
     marks: dict[str, Callable[[], int]] = {}
     kinds: dict[int, type] = {}
@@ -361,12 +371,12 @@ def begin() -> None:
 
     def watched(noting: _Noting) -> None:
         tests.update(noting.tests)
+        looks.update(noting.looks)
         loops.update(noting.loops)
         marks.update(noting.marks)
         paths[noting.path] = None
 
-    texts = {kind.__name__: _looking(_SIGNS[kind]) for kind in _LOOKS}
-    holders = (tests, loops, marks, note_object, errors.caught, changes.notes, texts)
+    holders = (tests, loops, marks, note_object, errors.caught, changes.notes, looks)
     for name, holder in zip(
         (_TESTS, _LOOPS, _MARKS, _OBJECTS, _CAUGHT, _CHANGES, _TEXTS), holders, strict=True
     ):
