@@ -1,10 +1,11 @@
-"""Find which parameters of a node a launch argument changes: those that differ when the file is loaded with another value.
+"""Tell what a node is given by each launch argument: its parameters that differ when the file is loaded with another value.
 
 It runs in the process that loads launch files.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -83,3 +84,17 @@ def _rest(node: Mapping[str, Any]) -> dict[str, Any]:
     """Return how a node is started, with only the names of its parameters."""
     names = [entry if isinstance(entry, str) else [*entry] for entry in node["given"]]
     return {**node, "given": names, "by_argument": None}
+
+
+def parameters_in_order(
+    parameters: list[Any], context: Any, text: Callable[[Any], str | None]
+) -> Iterator[Any]:
+    """Yield a node's parameters in order: the path of each file, and dicts of the others by name."""
+    from launch_ros.parameter_descriptions import ParameterFile
+    from launch_ros.utilities import evaluate_parameters, normalize_parameters
+
+    for entry in normalize_parameters(parameters):
+        if isinstance(entry, dict):
+            yield from evaluate_parameters(context, [entry])
+        elif isinstance(entry, ParameterFile):
+            yield os.path.realpath(str(text(entry)))

@@ -23,7 +23,7 @@ from typing import Any
 import yaml
 
 from ros2lab.diagnose.confinement import confine
-from ros2lab.diagnose.launching.by_argument import note_arguments
+from ros2lab.diagnose.launching.by_argument import note_arguments, parameters_in_order
 from ros2lab.diagnose.launching.in_order import InOrder
 from ros2lab.diagnose.launching.waited_for import WaitedFor
 
@@ -134,18 +134,6 @@ def _parameters(frame: FrameType) -> dict[str, Any]:
     code = frame.f_code
     names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
     return {name: frame.f_locals[name] for name in names if name != "self" and name in frame.f_locals}
-
-
-def _in_order(parameters: list[Any], context: Any, text: Callable[[Any], str | None]) -> Iterator[Any]:
-    """Yield a node's parameters in order: the path of each file, and dicts of the others by name."""
-    from launch_ros.parameter_descriptions import ParameterFile
-    from launch_ros.utilities import evaluate_parameters, normalize_parameters
-
-    for entry in normalize_parameters(parameters):
-        if isinstance(entry, dict):
-            yield from evaluate_parameters(context, [entry])
-        elif isinstance(entry, ParameterFile):
-            yield os.path.realpath(str(text(entry)))
 
 
 def _inside(entity: Any) -> list[Any]:
@@ -351,7 +339,7 @@ class _Loading:
             dict([entry]) if isinstance(entry, tuple) else os.path.realpath(str(text(entry)))
             for entry in scoped
         ]
-        in_order += _in_order(parameters, context, text)
+        in_order += parameters_in_order(parameters, context, text)
         renamed = [*context.launch_configurations.get("ros_remaps", []), *(given.get("remappings") or [])]
         is_whole = own.startswith("/") or not base
         self.nodes.append(
