@@ -8,6 +8,8 @@ import pytest
 from workspace_files import NAMES, Files
 
 from ros2lab.diagnose import of_workspace
+from ros2lab.diagnose.look import Look
+from ros2lab.trial.words import own_words
 
 NAME = NAMES[1]
 MAKER = """\
@@ -107,6 +109,32 @@ def test_a_package_in_another_folder_is_there(tmp_path: Path) -> None:
     )
     files.put("generated/__init__.py", "").put("generated/table.py", "LIMIT = 1.0\n")
     assert missing(files, tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        "package_dir={os.path.basename(os.getcwd()): 'code'}",
+        "package_dir={open('name').read(): 'code', 'a.b': 'code'}",
+        "package_dir={**dict(), 'a.b': 3}",
+        "package_dir=[os.getcwd()]",
+        "package_data={os.getcwd(): ['*.yaml'], 'a': os.getcwd()}",
+        "entry_points={os.getcwd(): ['a = b:c']}",
+        "entry_points={'console_scripts': {os.getcwd(): 'a'}, 'a': os.getcwd()}",
+        "data_files=[(os.getcwd(), [os.getcwd()]), os.getcwd()]",
+        "packages=[os.getcwd(), 3]",
+        "py_modules=[os.getcwd(), 3]",
+        "scripts=[os.getcwd()]",
+        "name=os.getcwd(), version=os.getcwd(), license=[os.getcwd()]",
+        "**{os.getcwd(): os.getcwd()}",
+    ],
+)
+def test_no_rule_fails_on_what_a_setup_py_says(tmp_path: Path, given: str) -> None:
+    """Also where a key of a dict is known only to setuptools."""
+    script = f"import os\nfrom setuptools import setup\nsetup({given})\n"
+    root = Files.right(NAME).put("setup.py", script).write(tmp_path)
+    assert not any("rules failed" in one.cause for one in of_workspace(root))
+    assert set(own_words(Look(root))) >= set()
 
 
 @pytest.mark.parametrize(

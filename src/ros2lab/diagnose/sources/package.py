@@ -16,7 +16,7 @@ from ros2lab.diagnose.finding import shown_path
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.diagnose.sources.setup_cfg import read_cfg
 from ros2lab.diagnose.sources.setup_script import EntryPoint, SetupScript, read_setup
-from ros2lab.diagnose.sources.static_value import UNKNOWN, is_known
+from ros2lab.diagnose.sources.static_value import is_known
 from ros2lab.manifest_words import NOT_TAKEN, fault_of
 
 _NOT_LOOKED_INTO = frozenset(("build", "install", "log", "node_modules", "__pycache__"))
@@ -232,7 +232,9 @@ class SourcePackage:
     def package_dirs(self) -> Mapping[str, str]:
         """The `package_dir` of setup.py; empty if there is none, or if it is not known."""
         value = self.setup.keywords.get("package_dir") if self.setup else None
-        return value if isinstance(value, dict) and UNKNOWN not in value.values() else {}
+        if not isinstance(value, dict):
+            return {}
+        return value if all(isinstance(part, str) for pair in value.items() for part in pair) else {}
 
     @property
     def packages(self) -> list[str] | None:
