@@ -58,29 +58,46 @@ def velocities(*values: dict[str, dict[str, float]], every: float = 0.1) -> Run:
     return run_of("velocity_publisher", "/cmd_vel", TWIST, heard)
 
 
-def test_a_number_that_follows_a_word_is_an_answer(tmp_path: Path) -> None:
-    """Whatever the type of the message; one that counts on its own is none."""
+@pytest.mark.parametrize(
+    ("after", "dance", "is_told"),
+    [
+        ([0.3, 0.3], [0.0, 0.0], False),
+        ([0.0, 0.0], [0.0, 0.0], True),
+        ([1.0, 2.0], [0.0, 5.0], True),  # it counts on its own
+        ([True, True], [False, False], False),
+        ([False, False], [True, True], False),
+        ([True, True], [True, True], True),
+        ([{"level": 0.0, "is_open": True}] * 2, [{"level": 0.0, "is_open": False}] * 2, False),
+        ([{"level": 1.0, "is_open": True}, {"level": 2.0, "is_open": True}], [{"level": 3.0, "is_open": False}], False),
+        ([{"level": 1.0, "is_open": True}, {"level": 2.0, "is_open": True}], [{"level": 3.0, "is_open": True}], True),
+        ([[0.5, 0.0]] * 2, [[0.0, 0.0]] * 2, False),  # in an array
+        ([2.0] * 5, [2.0] * 2, False),  # it comes more often
+        ([2.0] * 2, [2.0] * 5, False),
+        ([2.0] * 5, [2.0] * 4, True),
+    ],
+)  # fmt: skip
+def test_a_value_that_follows_a_word_is_an_answer(
+    tmp_path: Path, after: list[object], dance: list[object], *, is_told: bool
+) -> None:
+    """Whatever the type of the message; a number that changes on its own is none."""
 
-    def seen_after(word: str, *values: float) -> CommandSeen:
+    def seen_after(word: str, values: list[object]) -> CommandSeen:
         kind = "std_msgs/msg/Float64"
         plain = [{"data": value} for value in values]
         heard = Heard(kind, "/command_subscriber", [*range(len(plain))], plain, len(plain))
         return CommandSeen(word, [], {"/fan": heard}, {}, is_alive=True)
 
-    def told(*after: float) -> list[str]:
-        run = run_of("command_subscriber", "/fan", "std_msgs/msg/Float64", None)
-        run = replace(
-            run,
-            subscribes={"/robot/command": {"/command_subscriber": [STRING]}},
-            commands=[
-                seen_after("dance", 0.0, 0.0), seen_after("start", *after),
-                seen_after("dance", 0.0, 0.0), seen_after("stop", 0.0, 0.0),
-            ],
-        )  # fmt: skip
-        return [code for code in codes(tmp_path / str(after), run) if code == "word-unanswered"]
-
-    assert told(0.3, 0.3) == []
-    assert told(0.0, 0.0) == ["word-unanswered"]
+    run = run_of("command_subscriber", "/fan", "std_msgs/msg/Float64", None)
+    run = replace(
+        run,
+        subscribes={"/robot/command": {"/command_subscriber": [STRING]}},
+        commands=[
+            seen_after("dance", dance), seen_after("start", after),
+            seen_after("dance", dance), seen_after("stop", dance),
+        ],
+    )  # fmt: skip
+    told = [code for code in codes(tmp_path, run) if code == "word-unanswered"]
+    assert told == ["word-unanswered"] * is_told
 
 
 def test_zeros_that_a_word_may_change_are_no_fault(tmp_path: Path) -> None:

@@ -149,7 +149,7 @@ def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Findin
 
 def numbers_of(value: Any) -> Iterator[tuple[str, float]]:
     """Yield the numbers of a message with their names, such as `linear.x`; headers are left out."""
-    yield from ((name, float(leaf)) for name, leaf in leaves_of(value) if isinstance(leaf, (int, float)))
+    yield from ((name, float(leaf)) for name, leaf in leaves_of(value) if type(leaf) in (int, float))
 
 
 def leaves_of(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:

@@ -17,8 +17,8 @@ from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_
 from ros2lab.grading.code.compared import compared
 from ros2lab.grading.code.running import running
 from ros2lab.grading.evidence import CommandSeen, Run
-from ros2lab.grading.senses import is_still, sense
-from ros2lab.trial.contents import has_text, numbers_of
+from ros2lab.grading.senses import sense
+from ros2lab.trial.contents import has_text, leaves_of, numbers_of
 from ros2lab.trial.ends import UNKNOWN_WORD, made
 from ros2lab.trial.record import Record
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ros2lab.trial.seen import Seen
 
 LONGEST_WORD = 30  # letters
+MORE = 1.6  # times as many messages are no chance
 Leads = dict[str, list[tuple[PythonSource, list[ast.AST]]]]  # the code that a word leads to, with its file
 _ON_STATE = (ast.If, ast.For, ast.While, ast.Match, ast.BoolOp)  # what may pass over what is in it
 
@@ -173,8 +174,19 @@ def _alive(runs: Sequence[Run]) -> set[str]:
         command.text
         for run in runs
         for before, command in itertools.pairwise(run.commands)
-        if before.text == UNKNOWN_WORD and _effect(before) != _effect(command)
+        if before.text == UNKNOWN_WORD
+        and (_effect(before) != _effect(command) or _has_other_pace(before, command))
     }
+
+
+def _has_other_pace(before: CommandSeen, command: CommandSeen) -> bool:
+    """Return whether much more or fewer messages came on a topic than after the command before."""
+    counts = (
+        sorted((heard.count, before.topics[topic].count))
+        for topic, heard in command.topics.items()
+        if topic in before.topics
+    )
+    return any(most > MORE * least and most - least > 1 for least, most in counts)
 
 
 def _heeds_any_word(run: Run) -> bool:
@@ -198,9 +210,10 @@ def _effect(command: CommandSeen) -> str:
 
 def _said_last(values: Sequence[Any]) -> str:
     """Describe the last message: its content, and for numbers whether they are zero, constant or varying."""
-    last = values[-1]
-    if has_text(last) or not dict(numbers_of(last)):
+    last, numbers = values[-1], [number for _, number in numbers_of(values[-1])]
+    if has_text(last) or not numbers:
         return sense([*values])
-    if is_still(last):
-        return "still"
-    return str(last) if len(values) > 1 and values[-2] == last else "varying"
+    states = [leaf for leaf in leaves_of(last) if isinstance(leaf[1], bool)]
+    if not any(numbers):
+        return f"still {states}"
+    return str(last) if len(values) > 1 and values[-2] == last else f"varying {states}"
