@@ -21,7 +21,7 @@ from ros2lab.trial.effects import did_given
 from ros2lab.trial.given import GivenRun
 from ros2lab.trial.moving import still_moving
 from ros2lab.trial.rivals import rival_faults, told_of_rivals
-from ros2lab.trial.seen import Seen
+from ros2lab.trial.seen import Seen, seen_faults
 from ros2lab.trial.spoken import Said, Sent, content, rhythm
 from ros2lab.trial.story import told_of
 
@@ -182,6 +182,28 @@ def test_what_a_program_publishes_for_another_is_told(tmp_path: Path) -> None:
     silent = replace(together, quiet=source.quiet)
     assert "published nothing there while" in told(silent)
     assert "published nothing there by itself while" in told()
+
+
+@pytest.mark.parametrize(
+    ("alone", "together", "is_told"),
+    [
+        ({}, {}, True),
+        ({"status_publisher": {"/pile": numbers(1.0)}}, {}, False),
+        ({}, {"status_publisher": {"/pile": numbers(1.0)}}, False),
+        ({"status_publisher": {"/pile": Sent(0, [], [])}}, {}, True),
+        ({"status_publisher": {"/other": numbers(1.0)}}, {}, True),
+        ({"velocity_publisher": {"/pile": numbers(1.0)}}, {}, True),  # another program
+    ],
+)
+def test_silent_is_what_was_neither_heard_nor_noted(
+    tmp_path: Path, alone: dict[str, Any], together: dict[str, Any], *, is_told: bool
+) -> None:
+    """A message that was sent too early, or lost, was published all the same."""
+    run = run_of("status_publisher", "/pile", NUMBER, None)
+    both_run = replace(run, setting="together")
+    said = Said(alone, together)
+    seen = Seen(workspace(tmp_path), assignments.load(), [run], [both_run] * bool(together), said=said)
+    assert [one.code for one in seen_faults(seen)] == ["publishes-nothing"] * is_told
 
 
 @pytest.mark.parametrize(

@@ -45,7 +45,7 @@ def with_reasons(
         return [*found, *(noted.never if found else ())], [], [*read]  # it could not write its notes
     working = [finding for finding in read if keeps_from_working(finding)]
     causes = {finding.place for finding in working}
-    speaking = {run.programs[0] for run in seen.alone if seen.heard(run)}
+    speaking = {run.programs[0] for run in seen.alone if seen.published(run)}
     told, places = _of_silent(found, unreached, causes, speaking, untaken(seen, unreached.record))
     known = places | {finding.place for finding in read}
     reasons, explained = _notes(unreached), set_by([*working, *told], unreached.look)

@@ -164,6 +164,12 @@ class Seen:
                 found.setdefault(topic, []).append(heard)
         return found
 
+    def published(self, run: Run) -> set[str]:
+        """Return the topics on which something was published in a run: heard from outside, or noted by a program itself."""
+        said = self.said.alone if run in self.alone else self.said.together
+        noted = (topics.items() for name, topics in said.items() if name in run.programs)
+        return {*self.heard(run), *(t for topics in noted for t, sent in topics if sent.count)}
+
     @property
     def command_topic(self) -> str:
         """The topic on which commands were sent; empty if none were."""
@@ -264,14 +270,14 @@ def _unspun(seen: Seen, run: Run, nodes: Sequence[str]) -> set[str]:
 
 def _silent(seen: Seen, run: Run) -> Iterator[Finding]:
     """Yield publishers that published nothing, neither by themselves nor after a command."""
-    heard = {topic for other_run in (run, *seen.together) for topic in seen.heard(other_run)}
+    published = set().union(*map(seen.published, (run, *seen.together)))
     unspun = _unspun(seen, run, run.nodes) if _waits(seen, run, run.programs[0]) else set()
     unspun |= {*run.twins}  # these have another finding
     for topic in run.publishes if not run.ended and seen.is_free(run) else ():
         ends = seen.ends(topic, is_publisher=True)
         is_unspun = not {*run.publishes[topic]}.isdisjoint(unspun)
         if (
-            topic in heard
+            topic in published
             or is_unspun
             or topic.endswith(every_node.OF_MANAGED)
             or any(map(_is_managed, ends))

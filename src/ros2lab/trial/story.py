@@ -164,8 +164,8 @@ def _sent_in(seen: Seen, run: Run, where: Run, said: Mapping[str, Mapping[str, S
 
 def _unasked(seen: Seen, run: Run) -> str:
     """Say of a program that published nothing that it may have waited; empty if all that it waits for came."""
-    heard = {topic for other in (*seen.alone, *seen.together) for topic in seen.heard(other)}
-    is_waiting = any(topic not in heard for topic in run.subscribes)
+    published = set().union(*map(seen.published, (*seen.alone, *seen.together)))
+    is_waiting = not published.issuperset(run.subscribes)
     return " by itself" if is_waiting or not seen.names(run).isdisjoint(_ASKS) else ""
 
 
@@ -187,7 +187,7 @@ def pace_of(seen: Seen, run: Run, topic: str) -> tuple[float, str]:
 
 def _missed(seen: Seen, run: Run, topic: str, called: Called) -> str:
     """Say who published on a topic, if that is known: this run itself, or nobody; or that no callback was called."""
-    speaking = [other for other in (*seen.alone, *seen.together) if topic in seen.heard(other)]
+    speaking = [other for other in (*seen.alone, *seen.together) if topic in seen.published(other)]
     if topic not in (seen.command_topic, run.commanded) and not speaking:
         return ", on which nobody published"
     # One that ended may have spoken before this program was there.

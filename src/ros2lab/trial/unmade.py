@@ -223,12 +223,12 @@ def _of_managed(seen: Seen, run: Run, entrance: Entrance, owner: NodeClass, call
 def _silent(seen: Seen, run: Run, entrance: Entrance, owner: NodeClass) -> Iterator[str]:
     """Yield the topics of lifecycle publishers that were made, and published nothing."""
     lineage = entrance.sources.lineage(owner)[0]
-    heard = {_last(topic) for other in (run, *seen.together) for topic in seen.heard(other)}
+    published = {_last(topic) for other in (run, *seen.together) for topic in seen.published(other)}
     for creation in _promised(entrance):
         is_own = creation.owner in lineage and "lifecycle" in ast.unparse(creation.call.func)
         topic = entrance.sources.value(creation.source, creation.given("topic"))
         is_there = isinstance(topic, str) and _last(topic) in map(_last, run.publishes)
-        if is_own and is_there and _last(topic) not in heard:
+        if is_own and is_there and _last(topic) not in published:
             yield topic
 
 
