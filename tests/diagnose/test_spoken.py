@@ -15,7 +15,7 @@ from workspace_files import Files
 
 from ros2lab import assignments
 from ros2lab.diagnose.look import Look
-from ros2lab.grading.evidence import GIVEN, Heard, Run
+from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run
 from ros2lab.trial import record, try_out
 from ros2lab.trial.effects import did_given
 from ros2lab.trial.given import GivenRun
@@ -248,6 +248,34 @@ def test_what_changes_with_what_is_given_is_told(
     given = GivenRun(among, [], frozenset(), {name: {"/out": after}} if after else {}, gave)
     seen = Seen(workspace(tmp_path), assignments.load(), [alone], [])
     assert did_given(seen, alone, given, ["/on"], is_over=False) == [said]
+
+
+@pytest.mark.parametrize(
+    ("quiet", "answers", "after", "said"),
+    [
+        ([], [2.5, 5.0], [2.5, 7.0], "published 2 messages on /out: data 2.5 or 7"),
+        ([1.0, 1.0], [2.5, 5.0], [2.5, 7.0], "published 2 messages on /out: data 2.5 or 7"),
+        ([1.0, 2.0], [3.0, 4.0], [5.0, 6.0], "went on publishing on /out, where its values vary by themselves"),
+        ([], [2.5, 2.5], [2.5, 2.5], "published 2 messages on /out as before, each of them with data = 2.5"),
+        ([], [2.5, 2.5], [2.5, 7.0], "published 2 messages on /out: data 2.5 or 7 (before that data = 2.5)"),
+        ([], [], [2.5, 7.0], "published 2 messages on /out: data 2.5 or 7"),
+    ],
+)  # fmt: skip
+def test_what_answers_words_does_not_vary_by_itself(
+    tmp_path: Path, quiet: list[float], answers: list[float], after: list[float], said: str
+) -> None:
+    def heard(values: list[float]) -> dict[str, Heard]:
+        found = numbers(*values)
+        return {"/out": Heard(NUMBER, "/n", [*found.times], [*found.values], found.count)} if values else {}
+
+    commands = [CommandSeen("dance", [], heard(answers), {}, is_alive=True)]
+    alone = replace(run_of("status_publisher", "/out", NUMBER, None), quiet=heard(quiet), commands=commands)
+    among = replace(alone, setting=GIVEN, given=["/on"], quiet={}, commands=[])
+    sent_then = {"status_publisher": {"/out": numbers(*after)}}
+    given = GivenRun(among, [], frozenset(), sent_then, [(0.0, "/on", {"data": "a"})])
+    seen = Seen(workspace(tmp_path), assignments.load(), [alone], [])
+    (text,) = did_given(seen, alone, given, ["/on"], is_over=False)
+    assert text.replace(", as often as before", "") == said
 
 
 def test_what_was_only_heard_is_not_placed_between_what_was_given(tmp_path: Path) -> None:

@@ -43,7 +43,9 @@ def did_given(seen: Seen, run: Run, given: GivenRun, taken: Sequence[str], *, is
         if now is not None and now.count:
             pace = _pace(pace_of(seen, run, topic)[0], now)
             when = given.when if topic in noted else ()  # what was heard is on the clock of the run
-            texts.append(_change(topic, was, now, when, taken, pace=pace))
+            own = run.quiet[topic].values if topic in run.quiet else ()
+            varies = any(len(leaves) > 1 for leaves in leaves_in(own).values())
+            texts.append(_change(topic, was, now, when, taken, pace=pace, varies=varies))
         elif not is_over:
             texts.append(_more_nothing(seen, run, topic, was, given))
     # First what changed.
@@ -82,9 +84,16 @@ def _pace(gap: float, now: Sent) -> str:
 
 
 def _change(
-    topic: str, was: Sent | None, now: Sent, given: _Given, taken: Sequence[str], *, pace: str
+    topic: str,
+    was: Sent | None,
+    now: Sent,
+    given: _Given,
+    taken: Sequence[str],
+    *,
+    pace: str,
+    varies: bool,
 ) -> str:
-    """Return what is said of a topic on which something was published."""
+    """Return what is said of a topic on which something was published, where it may vary before anything is sent."""
     many, text = f"published {counted(now.count)} on {topic}", content(now.values)[0]
     if parts := [*_by_given(was, now, given, taken)]:
         return f"{many}: {'; '.join(parts)}"
@@ -104,9 +113,11 @@ def _change(
             for found in (after, before)
         )
         return f"{many}: {new} (before that {old or 'nothing of it'})"
-    if any(len(leaves) > 1 for leaves in before.values()):
+    if varies:
         return f"went on publishing on {topic}{pace}, where its values vary by themselves"
-    return f"{many} as before{text}{pace}"
+    # What varied only after something was sent does not tell what is as before.
+    is_fixed = all(len(leaves) == 1 for leaves in before.values())
+    return f"{many} as before{text}{pace}" if is_fixed else f"{many}{text}{pace}"
 
 
 def _by_given(was: Sent | None, now: Sent, given: _Given, taken: Sequence[str]) -> list[str]:
