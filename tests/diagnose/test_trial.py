@@ -206,6 +206,24 @@ def test_what_is_silent_empty_or_impossible_is_told(tmp_path: Path) -> None:
     assert codes(tmp_path / "j", managed) == []
 
 
+@pytest.mark.parametrize(
+    ("topic", "is_told"),
+    [
+        ("/cmd_vel", True),
+        ("/left/cmd_vel", True),
+        ("/wheel/cmd", False),
+        ("/pan_tilt/velocity", False),
+        ("/delta_twist_cmds", False),
+        ("/cmd_vel/arm", False),
+    ],
+)
+def test_only_of_a_robot_on_the_ground_an_axis_is_odd(tmp_path: Path, topic: str, *, is_told: bool) -> None:
+    """A wheel may turn about any axis, and a lift goes up; a speed is told wherever it is."""
+    heard = velocities(*[twist(90.0, up=0.4)] * 3).quiet["/cmd_vel"]
+    run = run_of("velocity_publisher", topic, TWIST, heard)
+    assert codes(tmp_path, run) == [*["axis"] * is_told, "speed-implausible"]
+
+
 @pytest.mark.parametrize("axis", ["linear.y", "linear.z", "angular.x", "angular.y"])
 def test_an_axis_of_no_robot_on_the_ground_is_told_last_and_may_be_right(tmp_path: Path, axis: str) -> None:
     """What moves may be a lift, a wheel or a ship: the fix is for a robot on the ground."""

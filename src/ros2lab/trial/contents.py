@@ -119,8 +119,14 @@ def _holders(target: ast.expr) -> Iterator[str]:
 
 def _velocity(seen: Seen, topic: str, most: dict[str, float]) -> Iterator[Finding]:
     short = {name.removeprefix("twist."): number for name, number in most.items()}
+    # The topics of the course tell that it is a robot on the ground: any other thing may turn and move in any way.
+    is_of_course = topic.rpartition("/")[2] in {name.rpartition("/")[2] for name in seen.assignment.topics}
     # A robot that can drive sideways also drives forward.
-    odd = [name for name in _ODD_AXES if name in short and (name != "linear.y" or "linear.x" not in short)]
+    odd = [
+        name
+        for name in _ODD_AXES
+        if is_of_course and name in short and (name != "linear.y" or "linear.x" not in short)
+    ]
     for name in odd[:1]:
         right = "angular.z, which turns it," if name.startswith("angular") else "linear.x, which drives it,"
         yield Finding(
