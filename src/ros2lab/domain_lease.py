@@ -5,27 +5,40 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
+import time
 from collections.abc import Iterator
 
 # Above the domains whose ports Linux hands out to other programs. From the last one down: tests of packages
 # that lease a domain in the same way begin at the first. Not the very last: a program may use the one above its own.
 DOMAINS = range(231, 214, -1)
+PATIENCE = 10.0  # s to wait for one, where all are leased
 
 
-def leased(lease: socket.socket) -> int:
+class NoDomainError(RuntimeError):
+    """All of the domains that can be leased are leased."""
+
+
+def leased(lease: socket.socket, patience: float | None = None) -> int:
     """Return a domain that nobody else on this machine leases until the lease is closed.
 
     Args:
         lease: a Unix socket, which is bound to the domain's name.
+        patience: how long to wait for one, in s; None waits for `PATIENCE`.
 
     Raises:
-        RuntimeError: if all of the domains that can be leased are leased.
+        NoDomainError: if all of the domains that can be leased are leased for so long.
     """
-    for domain in DOMAINS:
-        with contextlib.suppress(OSError):
-            lease.bind(f"\0ros2lab-private-domain-{domain}")
-            return domain
-    raise RuntimeError(f"On this machine {len(DOMAINS)} checks run at once: wait for one of them to end.")
+    end = time.monotonic() + (PATIENCE if patience is None else patience)
+    while True:
+        for domain in DOMAINS:
+            with contextlib.suppress(OSError):
+                lease.bind(f"\0ros2lab-private-domain-{domain}")
+                return domain
+        if time.monotonic() >= end:
+            raise NoDomainError(
+                f"All {len(DOMAINS)} ROS domains for checks on this machine are taken; wait for a running check to end, then try again."
+            )
+        time.sleep(0.1)
 
 
 @contextlib.contextmanager

@@ -68,7 +68,7 @@ class ObservedDomain:
         is_restless: whether something was still received when `settle` gave up.
 
     Raises:
-        RuntimeError: if all of the domains that can be leased are leased.
+        NoDomainError: if all of the domains that can be leased are leased.
     """
 
     def __init__(self, number: int | None = None) -> None:

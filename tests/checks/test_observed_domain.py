@@ -6,6 +6,7 @@ import os
 import socket
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -137,6 +138,18 @@ def test_nothing_is_kept_when_it_cannot_be_made(
     assert not any(context.ok() for context in contexts)
     assert all(node.is_destroyed for node in nodes)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_domain_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For as long as it may be that a check ends; then it is said that none is free."""
+    monkeypatch.setattr(domain_lease, "DOMAINS", (212,))
+    monkeypatch.setattr(domain_lease, "PATIENCE", 10.0)
+    with socket.socket(socket.AF_UNIX) as first, socket.socket(socket.AF_UNIX) as second:
+        assert domain_lease.leased(first) == 212
+        with pytest.raises(domain_lease.NoDomainError, match="domains for checks on this machine are taken"):
+            domain_lease.leased(second, patience=0.2)
+        threading.Timer(0.3, first.close).start()
+        assert domain_lease.leased(second) == 212
 
 
 def test_discovery_is_as_it_was_afterwards(monkeypatch: pytest.MonkeyPatch) -> None:

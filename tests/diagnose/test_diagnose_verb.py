@@ -16,9 +16,11 @@ from typer.testing import CliRunner
 from workspace_files import NAMES, Files
 
 from deadlines import DEADLINE
+from ros2lab import domain_lease, trial
 from ros2lab.cli import app
 from ros2lab.diagnose.explaining.steps import go_step_by_step
 from ros2lab.diagnose.finding import Finding, merged
+from ros2lab.diagnose.net import STRICT
 
 
 def typed(*arguments: str, folder: Path, text: str = "") -> subprocess.CompletedProcess[str]:
@@ -133,6 +135,26 @@ def test_what_reading_finds_is_told_where_nothing_can_be_run(tmp_path: Path) -> 
     done = run("--run", "--json", folder=files.write(tmp_path))
     assert done.returncode == 1
     assert "setup-cfg-missing" in [finding["code"] for finding in json.loads(done.stdout)]
+
+
+@pytest.mark.parametrize("error", [domain_lease.NoDomainError("All are taken."), TypeError("a rule")])
+def test_what_reading_finds_is_told_where_a_run_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    """Where no domain is free, and where a rule of ours fails."""
+
+    def fail(*_given: object) -> None:
+        raise error
+
+    monkeypatch.setattr(trial, "try_out", fail)
+    monkeypatch.delenv(STRICT, raising=False)
+    files = Files.right(NAMES[0])
+    remove("setup.cfg")(files)
+    done = run("--run", folder=files.write(tmp_path))
+    assert (done.returncode, "Traceback" in done.stdout + done.stderr) == (1, False)
+    assert "setup-cfg-missing" in done.stdout
+    assert ("All are taken." in done.stderr) is isinstance(error, RuntimeError)
+    assert ("rules failed" in " ".join(done.stdout.split())) is isinstance(error, TypeError)
 
 
 def test_a_text_is_explained(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.printed.error_text import read_error
-from ros2lab.domain_lease import leased
+from ros2lab.domain_lease import NoDomainError, leased
 from ros2lab.grading.code.compared import MOST_WORDS, Contents
 from ros2lab.grading.evidence import GIVEN, Run
 from ros2lab.grading.sandbox.box import Box, Limits
@@ -148,9 +148,8 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
         contents = open_contents(look, assignment.commanded.topic if assignment.commanded else "")
         words, more = compared_words(look), _noting(programs, more_notes, look)
         plan = {"has_commands": False, "contents": contents, "settings": words}
-        setting = [] if words is None else [_OwnJob(leases, more, plan=plan)]
-        if contents:
-            jobs.append(_OwnJob(leases, more, contents=contents))
+        setting = [] if words is None else _spare(leases, more, plan=plan)
+        jobs += (filled := _spare(leases, more, contents=contents) if contents else [])
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch([*jobs, *setting])[: len(jobs)]
             before = Seen(look, assignment, runs[: len(programs)], [])
@@ -159,26 +158,28 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
             noted = witnessed(notes, look)
             for place in _asked_again(runs[: len(programs)], sent, noted):
                 # With the words that it asked for, which the text of its code does not show.
-                jobs[place] = _OwnJob(leases, [noting[place]])
+                if not (again := _spare(leases, [noting[place]])):
+                    break
+                jobs[place : place + 1] = again
                 further = _assignment_for(look, sorted(_unsent(runs[place], noted)))
                 with Observer(world, further) as other:
-                    runs[place : place + 1] = other.watch([jobs[place]])
+                    runs[place : place + 1] = other.watch(again)
                 sent[place] = jobs[place].sent(notes)
                 noted = witnessed(notes, look)
-            moving = None
-            last = len(runs) - 1 - bool(contents)  # of all programs
-            if _is_steppable(runs[last]) and may_move(noted.unreached.record):
-                longer = _OwnJob(leases, _noting(programs, longer_notes, look), plan=_LONGER)
-                observer.watch([longer])
+            moving, last = None, len(runs) - 1 - len(filled)  # of all programs
+            is_open = _is_steppable(runs[last]) and may_move(noted.unreached.record)
+            longer = _spare(leases, _noting(programs, longer_notes, look), plan=_LONGER) if is_open else []
+            if longer:
+                observer.watch(longer)
                 if not runs[last].commands:
-                    sent[last] = longer.sent(longer_notes) or sent[last]
+                    sent[last] = longer[0].sent(longer_notes) or sent[last]
                 moving = still_moving(noted.unreached.record, witnessed(longer_notes, look).unreached.record)
         _bring(longer_notes, notes)
         ever = noted = witnessed(notes, look, moving)
-        if contents or ran:
+        if filled or ran:
             _bring(more_notes, notes)
             ever = witnessed(notes, look, moving)
-    usual = runs[: len(runs) - bool(contents)]
+    usual = runs[: len(runs) - len(filled)]
     first = noted.unreached.record.errors  # whose values are not made up
     later = [error for error in ever.unreached.record.errors if not any(map(error.is_like, first))]
     alone = {
@@ -192,7 +193,7 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
     never, steady = ([one for one in found if one.place in still] for found in (noted.never, noted.steady))
     fatal, when = (jobs[-1].result.get(name, []) for name in ("fatal", "when"))
     noted = replace(ever, never=never, steady=steady, called=noted.called)
-    given = GivenRun(runs[-1], fatal, ever.called, sent[-1], when) if contents else None
+    given = GivenRun(runs[-1], fatal, ever.called, sent[-1], when) if filled else None
     return seen, noted, [given, ran]
 
 
@@ -200,16 +201,17 @@ def _set(observer: Observer, leases: contextlib.ExitStack, job: _OwnJob, seen: S
     """Return what came of the parameters that a job has set; where nothing did, also what they do at the start."""
     found, nodes = [*settings_of(job.result)], {run.programs[0]: run.nodes for run in seen.alone}
     plan, tried = {**job.plan, "settings": None, "keeps_clock": True}, dict[int, _OwnJob]()
-    start = partial(_OwnJob, leases, plan=plan, is_stepped=job.is_stepped)
+    start = partial(_spare, leases, plan=plan, is_stepped=job.is_stepped)
     again = start(job.programs)  # shows what differs from start to start
     for number, one in enumerate(found):
         own = [f"{one.name}:={json.dumps(one.value)}"]
         programs = [replace(p, parameters=own) if nodes[p.name] == [one.node] else p for p in job.programs]
-        tried |= {number: start(programs)} if programs != job.programs and is_to_start(seen, one) else {}
-    observer.watch([again, *tried.values()] if tried else [], within=_STARTS)
+        is_worth = bool(again) and programs != job.programs and is_to_start(seen, one)
+        tried |= {number: further for further in (start(programs) if is_worth else [])}
+    observer.watch([*again, *tried.values()] if tried else [], within=_STARTS)
     for number, other in tried.items():
-        if again.result and other.result and not (again.ended or other.ended):
-            chance = {change[0] for change in started_with(job.result, again.result)}
+        if again[0].result and other.result and not (again[0].ended or other.ended):
+            chance = {change[0] for change in started_with(job.result, again[0].result)}
             changes = [one for one in started_with(job.result, other.result) if one[0] not in chance]
             found[number] = replace(found[number], at_start=changes)
     return GivenRun(job.run(), job.result.get("fatal", []), frozenset(), settings=found)
@@ -319,9 +321,10 @@ class _OwnJob(Job):
         plan: Mapping[str, Any] | None = None,
         contents: Contents | None = None,
         is_stepped: bool = True,
+        patience: float | None = None,
     ) -> None:
         self._lease = leases.enter_context(contextlib.closing(socket.socket(socket.AF_UNIX)))
-        self._own = leased(self._lease)
+        self._own = leased(self._lease, patience)
         if contents is None:
             setting = "together" if len(programs) > 1 else "alone"
             super().__init__(programs, setting, is_stepped=is_stepped)
@@ -357,3 +360,11 @@ class _OwnJob(Job):
         while begin > 0 and _CHAINED.search(printed, 0, begin):
             begin = printed.rfind(_TRACEBACK, 0, begin)
         return printed[max(begin, 0) :]
+
+
+def _spare(leases: contextlib.ExitStack, programs: Sequence[Program], **more: Any) -> list[_OwnJob]:
+    """Return a job that tells more of programs which are watched anyway; none if no domain is free for it."""
+    try:
+        return [_OwnJob(leases, programs, patience=1.0, **more)]
+    except NoDomainError:
+        return []

@@ -172,6 +172,8 @@ def _run(root: Path, read: Sequence[Finding]) -> tuple[Sequence[Finding], list[F
         What reading has found and the run does not contradict; what is found then; what was looked at; and what the
         nodes did.
     """
+    from ros2lab.diagnose.net import unjudged  # noqa: PLC0415
+    from ros2lab.domain_lease import NoDomainError  # noqa: PLC0415
     from ros2lab.grading.reports.shown import visible  # noqa: PLC0415
     from ros2lab.trial import try_out  # noqa: PLC0415
     from ros2lab.workspace import WorkspaceError  # noqa: PLC0415
@@ -181,10 +183,12 @@ def _run(root: Path, read: Sequence[Finding]) -> tuple[Sequence[Finding], list[F
 
     try:
         trial = try_out(root.absolute(), show, read)
-    except WorkspaceError as error:
+    except (NoDomainError, WorkspaceError) as error:
         # What reading has found is told all the same.
         print(error, file=sys.stderr)
         return read, [], f"Nothing could be run: {error}", ""
+    except Exception as error:
+        return read, [unjudged(error)], "", ""
     story = " ".join(trial.story)
     return (
         trial.read,
