@@ -10,6 +10,7 @@ from ros2lab.diagnose.causes.waited import waited_for
 from ros2lab.diagnose.explaining.usage import plain_words
 from ros2lab.diagnose.finding import SAID, Finding
 from ros2lab.diagnose.look import Look
+from ros2lab.diagnose.printed.caught import without_caught
 from ros2lab.diagnose.printed.error_text import ErrorText, Frame, own_frames
 from ros2lab.diagnose.printed.spots import Spot, spot_at
 from ros2lab.diagnose.printed.transcript import WARNING, step_with, words_in
@@ -28,7 +29,8 @@ _NO_MODULE = re.compile(r"No module named '?([\w.]+)")
 
 
 def without_own(text: str, look: Look) -> str:
-    """Remove what the student's own code says, and no error is: its warnings, and imports that it has caught."""
+    """Remove what the student's own code says, and no error is: its warnings, and what it has caught."""
+    text = without_caught(text, look)
     text = _without_warnings(text, look) if "Warning: " in text else text
     return _without_caught_imports(text, look) if "No module named" in text else text
 
