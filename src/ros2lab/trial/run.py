@@ -182,13 +182,8 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
     usual = runs[: len(runs) - len(filled)]
     first = noted.unreached.record.errors  # whose values are not made up
     later = [error for error in ever.unreached.record.errors if not any(map(error.is_like, first))]
-    alone = {
-        run.programs[0]: found.get(run.programs[0], {})
-        for run, found in zip(usual, sent[: len(programs)], strict=False)
-    }
-    together = sent[len(programs)] if len(programs) > 1 else {}
-    told = Said(alone, together)
-    seen = Seen(look, assignment, usual[: len(programs)], usual[len(programs) :], [*first, *later], told)
+    said = _said(usual, sent, len(programs))
+    seen = Seen(look, assignment, usual[: len(programs)], usual[len(programs) :], [*first, *later], said)
     still = {finding.place for finding in (*ever.never, *ever.steady)}
     never, steady = ([one for one in found if one.place in still] for found in (noted.never, noted.steady))
     fatal, when = (jobs[-1].result.get(name, []) for name in ("fatal", "when"))
@@ -207,7 +202,8 @@ def _set(observer: Observer, leases: contextlib.ExitStack, job: _OwnJob, seen: S
         own = [f"{one.name}:={json.dumps(one.value)}"]
         programs = [replace(p, parameters=own) if nodes[p.name] == [one.node] else p for p in job.programs]
         is_worth = bool(again) and programs != job.programs and is_to_start(seen, one)
-        tried |= {number: further for further in (start(programs) if is_worth else [])}
+        for further in start(programs) if is_worth else ():
+            tried[number] = further
     observer.watch([*again, *tried.values()] if tried else [], within=_STARTS)
     for number, other in tried.items():
         if again[0].result and other.result and not (again[0].ended or other.ended):
@@ -215,6 +211,13 @@ def _set(observer: Observer, leases: contextlib.ExitStack, job: _OwnJob, seen: S
             changes = [one for one in started_with(job.result, other.result) if one[0] not in chance]
             found[number] = replace(found[number], at_start=changes)
     return GivenRun(job.run(), job.result.get("fatal", []), frozenset(), settings=found)
+
+
+def _said(runs: Sequence[Run], sent: Sequence[Mapping[str, Any]], count: int) -> Said:
+    """Return what programs published by their own notes: of the first `count` runs alone, then of all together."""
+    names = [run.programs[0] for run in runs[:count]]
+    alone = {name: found.get(name, {}) for name, found in zip(names, sent, strict=False)}
+    return Said(alone, sent[count] if count > 1 else {})
 
 
 def _asked_again(runs: Sequence[Run], sent: Sequence[Mapping[str, Any]], noted: Witnessed) -> list[int]:
