@@ -9,6 +9,7 @@ from right_workspace import right_workspace
 
 from ros2lab.diagnose import of_workspace
 from ros2lab.diagnose.finding import SAID, Finding
+from ros2lab.diagnose.look import Look
 
 LAUNCH = "launch/robot.launch.py"
 IMPORTS = """\
@@ -117,3 +118,23 @@ def test_what_an_included_file_lacks_is_told_of_that_file_alone(tmp_path: Path) 
     files.put(LAUNCH, f"{lacking}{text}").put("launch/all.launch.py", outer)
     found = [one for one in of_workspace(files.write(tmp_path)) if one.code == "launch-package"]
     assert [one.place for one in found] == ["src/my_bot/launch/robot.launch.py:2"]
+
+
+@pytest.mark.parametrize(
+    ("row", "read"),
+    [
+        ("('share/my_bot', ['table/row.json'])", "row.json"),
+        ("('share/my_bot/config', ['table/row.json'])", "config/row.json"),
+        ("('share/my_bot/rows/of/today', ['table/row.json'])", "rows/of/today/row.json"),
+        ("('share/my_bot', glob('table/*.json'))", "row.json"),
+        ("('share/my_bot/table', ['table/row.json'])", "table/row.json"),
+    ],
+)
+def test_a_file_is_read_where_setup_installs_it(tmp_path: Path, row: str, read: str) -> None:
+    files = right_workspace().put("table/row.json", '{"rate": 2.0}').put("config/other.yaml", "{}\n")
+    files.change("setup.py", "data_files=[", f"data_files=[\n        {row},")
+    files.change("setup.py", "from setuptools", "from glob import glob\n\nfrom setuptools")
+    head = "import json\nfrom ament_index_python.packages import get_package_share_path\nROW = json.loads((get_package_share_path('my_bot') / 'PATH').read_text())\n"
+    files.put(LAUNCH, head.replace("PATH", read) + files.texts[files.path(LAUNCH)])
+    (file,) = Look(files.write(tmp_path), loads=True).launch_files
+    assert file.is_loaded

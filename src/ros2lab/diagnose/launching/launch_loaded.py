@@ -36,7 +36,7 @@ from ros2lab.scratch import scratch_folder
 def load(files: Mapping[Path, LaunchFile], packages: Sequence[SourcePackage]) -> list[LaunchFile]:
     """Return launch files with what launch itself says they would start; those that it cannot load are unchanged.
 
-    The folders of the packages stand for their installed share folders.
+    The folders of the packages, with what setup.py installs elsewhere, stand for their share folders.
     """
     told = _ask([*files], packages)
     return [_as_told(path, files, told.get(str(path)), packages) for path in files]
@@ -72,7 +72,7 @@ def _ask(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, 
     read = [*paths, *(path for package in packages for path in package.parameter_files)]
     key = (
         tuple((str(path).removeprefix(root), read_text(path)) for path in read),
-        tuple((package.name, str(package.folder).removeprefix(root)) for package in packages),
+        tuple((p.name, str(p.folder).removeprefix(root), p.setup and p.setup.source.text) for p in packages),
     )
     if key not in _told:
         if len(_told) >= _MOST_TOLD:
@@ -91,7 +91,7 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, 
         for package in packages:
             if "/" not in package.name and not (markers / package.name).exists():
                 (markers / package.name).touch()
-                (prefix / "share" / package.name).symlink_to(package.folder)
+                package.link_into(prefix)
         known = [str(prefix), *filter(None, [os.environ.get("AMENT_PREFIX_PATH")])]
         environ = {
             "AMENT_PREFIX_PATH": os.pathsep.join(known),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import warnings
@@ -295,6 +296,17 @@ class SourcePackage:
             else f" (and add {self.row(lies)} to data_files in setup.py)"
         )
 
+    def link_into(self, prefix: Path) -> None:
+        """Link its files into its share folder below a prefix: where setup.py installs them, and as they lie in its folder."""
+        share = prefix / "share" / self.name
+        share.mkdir()
+        for path, (file, *_) in self.setup.copies(self.folder).items() if self.setup else ():
+            if share in (there := prefix / path).parents and ".." not in there.parts:
+                with contextlib.suppress(OSError):  # two that do not go together
+                    there.parent.mkdir(parents=True, exist_ok=True)
+                    there.symlink_to(self.folder / file)
+        _link_beside(self.folder, share)
+
     def own_files(self) -> Iterator[Path]:
         """Yield its files, without tests, build folders, and other packages inside its folder."""
         for where, names, files in os.walk(self.folder):
@@ -329,6 +341,16 @@ class PassedOver:
     package: SourcePackage
     by: Path
     is_nested: bool
+
+
+def _link_beside(folder: Path, share: Path) -> None:
+    """Link what a folder holds into another one, beside what is there."""
+    for entry in folder.iterdir():
+        there = share / entry.name
+        if not there.exists():
+            there.symlink_to(entry)
+        elif there.is_dir() and entry.is_dir():
+            _link_beside(entry, there)
 
 
 def find_packages(root: Path) -> list[SourcePackage]:
