@@ -35,7 +35,8 @@ def main():
     rclpy.spin(Driver())
 """
 PLAIN = "super().__init__('driver')\n"
-BY_ITSELF = "super().__init__('driver', automatically_declare_parameters_from_overrides=True)\n"
+OPTION = "automatically_declare_parameters_from_overrides"
+BY_ITSELF = f"super().__init__('driver', {OPTION}=True)\n"
 
 
 def first(init: str, methods: str, said: str, root: Path, *texts: str) -> Finding:
@@ -74,6 +75,10 @@ LONE = "def read(self, name):\n    return self.get_parameter(name).value\n"
         ("self.a = self.gain('left')", "def gain(self, side):\n    return self.get_parameter(f'{side}.kp').value\n", "left.kp", ["'left'", ".kp"], "'left.kp'", "write `self.declare_parameter(f'{side}.kp', ...)` above"),
         ("self.timer = self.create_timer(self.get_parameter('cycle').value, self.tick)", "def tick(self):\n    pass\n", "cycle", ["'cycle'"], "'cycle'", "write `self.declare_parameter('cycle', 1.0)` above"),
         ("print(self.get_parameter('turns').value)", "", "turns", ["'turns'"], "Declared are: turn.", "write 'turn' if that is meant; else"),
+        (f"{BY_ITSELF}self.a = self.get_parameter('speed').value", "", "speed", ["'speed'"], "(line 17) declares only what the node is given when it starts, and 'speed' was not given.", "or write `if not self.has_parameter('speed'):` above line 18, and `self.declare_parameter('speed', ...)` below it, indented"),
+        (f"more = {{'{OPTION}': True}}\nsuper().__init__('driver', **more)\nself.a = self.get_parameter('speed').value", "", "speed", ["'speed'"], "(line 17) declares only what", "or write `if not self.has_parameter('speed'):`"),
+        (f"super().__init__('driver', **dict({OPTION}=True))\nself.a = self.get_parameter('speed').value", "", "speed", ["'speed'"], "(line 17) declares only what", "or write `if not self.has_parameter('speed'):`"),
+        (f"super().__init__('driver', {OPTION}=False)\nself.a = self.get_parameter('speed').value", "", "speed", ["'speed'"], "never declared", "write `self.declare_parameter('speed', ...)` above line 18"),
         ("self.set_parameters([Parameter('speed', value=2.0)])", "", "[]", ["set_parameters"], "'speed'", "write `self.declare_parameter('speed', "),
     ],
 )  # fmt: skip

@@ -140,7 +140,8 @@ def _undeclared(use: _Use) -> Finding:
     where = f"above line {here}"
     if text == repr(name) and use.function and use.function.name not in ("__init__", "main"):
         where = "in the constructor, before it is read"
-    if text != repr(name) and (use.is_in_callback or len(use.calls) > len(given)):
+    option = next((line for line, _ in _options(use)), "")
+    if option or (text != repr(name) and (use.is_in_callback or len(use.calls) > len(given))):
         where = f"above line {here}, and {written} below it, indented"
         written = f"`if not {use.node}.has_parameter({text}):`"
     more = "; replace the dots with its default value" if "...)" in written + where else ""
@@ -149,6 +150,9 @@ def _undeclared(use: _Use) -> Finding:
         (there, fix), close = asked, None
     fix = f"write {close!r} if that is meant; else {fix}" if close and not comes else fix
     cause = f"The parameter {name!r} is read and never declared.{comes}{there}"
+    if option:
+        cause = f"{_OPTION} ({option}) declares only what the node is given when it starts, and {name!r} was not given.{comes}"
+        fix = f"give it a value when it starts, in the launch file or with -p {name}:=...; or {fix}"
     return Finding("parameter-undeclared", cause, use.source.at(here), fix)
 
 
@@ -226,14 +230,30 @@ def _by_another_line(use: _Use) -> Finding | None:
 
 
 def _by_an_option(use: _Use) -> Finding | None:
-    for source in use.sources.sources.values():
-        for node in source.nodes:
-            if isinstance(node, ast.keyword) and node.arg == _OPTION and ast.unparse(node.value) != "False":
-                line = f"line {node.value.lineno}" if source is use.source else source.at(node.value)
-                cause = f"{_OPTION} ({line}) lets ROS declare each parameter that is given from outside when the node starts, and this line declares {use.text} again."
-                fix = f"remove `{_OPTION}={ast.unparse(node.value)}` in {line}"
-                return Finding("python-error", cause, use.source.at(use.call), fix)
+    for line, value in _options(use):
+        cause = f"{_OPTION} ({line}) lets ROS declare each parameter that is given from outside when the node starts, and this line declares {use.text} again."
+        fix = f"remove `{_OPTION}={value}` in {line}"
+        return Finding("python-error", cause, use.source.at(use.call), fix)
     return None
+
+
+def _options(use: _Use) -> Iterator[tuple[str, str]]:
+    """Yield where the option is on by which a node declares what it is given, and the value that is written there."""
+    for source in (use.sources.around(use.source.name) or use.sources).sources.values():
+        for node in source.nodes:
+            match node:
+                case ast.keyword():
+                    pairs: list[tuple[Any, ast.expr]] = [(node.arg, node.value)]
+                case ast.Dict():
+                    pairs = [
+                        (getattr(k, "value", ""), v) for k, v in zip(node.keys, node.values, strict=True)
+                    ]
+                case _:
+                    continue
+            for name, value in pairs:
+                if name == _OPTION and ast.unparse(value) != "False":
+                    line = f"line {value.lineno}" if source is use.source else source.at(value)
+                    yield line, ast.unparse(value)
 
 
 def _by_its_list(use: _Use) -> Finding | None:
