@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import subprocess
 import time
 from dataclasses import replace
@@ -478,3 +479,38 @@ def test_an_import_that_the_program_has_caught_is_no_error(
     node.write_text(f"{guard}{node.read_text()}")
     found = of_text(f"$ ros2 run my_bot talker\n{printed}\n", workspace)
     assert any("fast_sky" in finding.cause for finding in found) == is_told
+
+
+@pytest.mark.parametrize(
+    ("line", "right"),
+    [
+        ("export ROS_DOMAIN_ID = 42", "export ROS_DOMAIN_ID=42"),
+        ("export ROS_DOMAIN_ID =42", "export ROS_DOMAIN_ID=42"),
+        ("export ROS_DOMAIN_ID= 42", "export ROS_DOMAIN_ID=42"),
+        ("ROS_DOMAIN_ID = 42", "export ROS_DOMAIN_ID=42"),
+        ("declare -x ROS_DOMAIN_ID = '42'", "declare -x ROS_DOMAIN_ID='42'"),
+        ("alias cb = 'colcon build'", "alias cb='colcon build'"),
+    ],
+)
+def test_an_assignment_has_no_blanks_beside_its_sign(workspace: Path, line: str, right: str) -> None:
+    """The shell's own line is explained, in a script that it names, in one that it does not name, and as it was typed."""
+    (workspace / "setup_robot.sh").write_text(f"# the lab\nexport LAB=1\n{line}\n")
+    said = typed("source ./setup_robot.sh", workspace).stdout
+    for text in (said, re.sub(r"\./setup_robot\.sh: line \d+", "bash", said)):
+        found = explained(f"$ source setup_robot.sh\n{text}", workspace)
+        assert (found.place, found.fix) == ("setup_robot.sh:3", f"write `{right}`")
+    (found,) = of_text(f"$ {line}\n{typed(line, workspace).stdout.replace('line 1: ', '')}", workspace)
+    assert "no blank stands before or after the =" in found.cause
+    assert (found.place, found.fix) == ("", f"type `{right}`")
+
+
+@pytest.mark.parametrize("line", ["export ROS-DOMAIN-ID=42", "export 2ROBOT=x", "export $NOT_SET=42"])
+def test_what_a_shell_takes_for_no_name_is_told_where_it_stands(workspace: Path, line: str) -> None:
+    (workspace / "setup_robot.sh").write_text(f"\n{line}\n")
+    found = explained(typed("source ./setup_robot.sh", workspace).stdout, workspace)
+    assert (found.place, found.fix[:16]) == ("setup_robot.sh:2", "write NAME=value")
+
+
+@pytest.mark.parametrize("line", ["export ROS_DOMAIN_ID", "ROS_DOMAIN_ID= ros2 topic list", "test $A = 42"])
+def test_what_a_shell_takes_is_left_alone(workspace: Path, line: str) -> None:
+    assert not of_text(f"$ {line}\n$ ros2 run my_bot status_publisher\n", workspace)

@@ -9,6 +9,7 @@ from collections.abc import Collection, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from ros2lab.diagnose.explaining.shell_assignments import without_blanks
 from ros2lab.diagnose.explaining.typed_message import as_message, misfit, read_as
 from ros2lab.diagnose.explaining.usage import accepted_form, of_colcon, plain_words
 from ros2lab.diagnose.look import Look
@@ -73,6 +74,8 @@ class Corrected:
 
 def corrected(line: str, look: Look, said: str = "") -> Corrected | None:
     """Correct the first wrong word of a command; None if no word is known to be wrong."""
+    if spaced := without_blanks(line):
+        return Corrected(*spaced)
     words = words_in(line.rstrip("& "))
     match words:
         case ["colcon", "build" | "test", *_]:
@@ -111,9 +114,9 @@ def as_meant(line: str, error: ErrorText, look: Look) -> Corrected | None:
 
 def _of_variable(setting: str) -> Corrected | None:
     """Correct the value of one of ROS's variables; None if it is valid or the variable is not known."""
-    name, _, value = setting.partition("=")
+    name, sign, value = setting.partition("=")
     pattern, allowed, right = _VARIABLES.get(name, ("", "", ""))
-    if not pattern or re.fullmatch(pattern, value):
+    if not pattern or not sign or re.fullmatch(pattern, value):
         return None
     return Corrected(
         f"export {name}={right}",

@@ -17,6 +17,7 @@ from shlex import quote
 from ros2lab.diagnose.causes.file_lookups import of_missing_file, of_shared_file
 from ros2lab.diagnose.causes.python_says import of_error
 from ros2lab.diagnose.explaining.ros_1_tools import ROS_1_TOOLS
+from ros2lab.diagnose.explaining.shell_assignments import of_assignment
 from ros2lab.diagnose.explaining.started_files import of_interpreter, of_line_ends
 from ros2lab.diagnose.explaining.there_already import existing_folder, of_existing
 from ros2lab.diagnose.explaining.warnings_told import of_warning
@@ -98,16 +99,18 @@ def passed_on(line: str, error: ErrorText, look: Look) -> Finding | None:
         cause = f"The shell reads {file} as shell commands, because its first line does not say that it is Python."
         fix = f"start it with python3 {file}, or write #!/usr/bin/env python3 as its very first line"
         return Finding(SAID, cause, file, fix)
+    step = step_with(line, error.steps)
+    refused = of_assignment(line, step, look)
     if missing := _NO_COMMAND.match(line):
-        return _no_command(missing["tool"], missing["name"] or missing["name2"])
+        return refused or _no_command(missing["tool"], missing["name"] or missing["name2"])
     if warning := WARNING.match(line):
-        is_told = _concerns(warning, step_with(line, error.steps))
+        is_told = _concerns(warning, step)
         return of_warning(line, error.text, look) if is_told else None
     if usage := _USAGE.match(line):
         return _usage(usage["tool"], usage["said"], error)
     if said := _SYSTEM_SAYS.match(line):
-        return of_existing(line, step_with(line, error.steps), look) or _of_system(said, look)
-    return of_existing(line, step_with(line, error.steps), look) or _sentence(line, error, look)
+        return of_existing(line, step, look) or _of_system(said, look)
+    return refused or of_existing(line, step, look) or _sentence(line, error, look)
 
 
 def _concerns(warning: re.Match[str], step: Step) -> bool:

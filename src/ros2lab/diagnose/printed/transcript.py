@@ -26,7 +26,7 @@ AT_REST = re.compile(
 SYSTEM = {os.strerror(number): number for number in sorted(errno.errorcode)}
 TELLING = re.compile(
     rf"(?i){'|'.join(map(re.escape, SYSTEM))}|"
-    r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|denied|unexpected|\bfatal\b"
+    r"\berror\b|not found|failed|cannot|can't|could not|unable|unknown|no such|invalid|not a valid identifier|denied|unexpected|\bfatal\b"
 )
 # The parts of a line that are data and may hold any word: comments, values, and names of topics or files.
 _DATA = re.compile(
