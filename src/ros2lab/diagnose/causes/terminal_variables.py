@@ -6,7 +6,7 @@ import ast
 import re
 from collections.abc import Iterator, Sequence
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, these_lines
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name
@@ -87,24 +87,47 @@ def of_ros_arguments(error: ErrorText, look: Look) -> Finding | None:
         source = package.sources.get(point.module)
         is_named = not named.isdisjoint((point.name, f"{point.module.rpartition('.')[2]}.py"))
         if is_named and source and (reading := next(_readings(source), None)):
-            node, written = reading
+            node, fix = reading
             more = "" if "rclpy" in source.names else ", with `import rclpy` at the top"
             cause = f"`{ast.unparse(node)}` also reads --ros-args and what follows it, which is meant for rclpy alone."
-            given = "; give its own arguments in the launch file, by arguments=[...]"
-            is_item = not isinstance(node, ast.Call)
-            return Finding(
-                "argument-unknown", cause, source.at(node), f"write `{written}`{more}{given * is_item}"
-            )
+            return Finding("argument-unknown", cause, source.at(node), f"{fix[0]}{more}{fix[1]}")
     return None
 
 
-def _readings(source: PythonSource) -> Iterator[tuple[ast.expr, str]]:
-    """Yield what reads the whole command line, each with what reads only the program's own part of it."""
+def _readings(source: PythonSource) -> Iterator[tuple[ast.expr, tuple[str, str]]]:
+    """Yield what reads the whole command line, each with how to read only the program's own part of it, and a hint."""
     for node in source.nodes:
         match node:
             case ast.Call(func=ast.Attribute(attr="parse_args") as called, args=[], keywords=[]):
-                yield node, f"{ast.unparse(called)}({_OWN}[1:])"
-            case ast.Subscript(value=ast.Attribute() as whole) if source.resolve(whole) == "sys.argv":
-                above = source.above(node)
-                if last_name(getattr(above, "func", None)) != "init":
-                    yield node, ast.unparse(node).replace(ast.unparse(whole), _OWN)
+                yield node, (f"write `{ast.unparse(called)}({_OWN}[1:])`", "")
+            case ast.Subscript(value=ast.Attribute() | ast.Name() as whole) if _is_whole(source, whole):
+                yield node, _read_once(source, node, ast.unparse(whole))
+
+
+def _is_whole(source: PythonSource, node: ast.AST) -> bool:
+    """Return whether an expression is the whole command line, and not given to rclpy, which is to read all of it."""
+    around = [source.above(node)]
+    around += [source.above(outer) for outer in around if isinstance(outer, (ast.keyword, ast.Subscript))]
+    is_given = any(last_name(getattr(outer, "func", None)) == "init" for outer in around)
+    return source.resolve(node) == "sys.argv" and not is_given
+
+
+def _read_once(source: PythonSource, node: ast.Subscript, name: str) -> tuple[str, str]:
+    """Return how to leave out ROS's arguments in all that a function reads of them: what it counts must be what it takes."""
+    function = source.function_at(node.lineno)
+    reads = [
+        other
+        for other in source.nodes
+        if isinstance(other, (ast.Attribute, ast.Name))
+        and _is_whole(source, other)
+        and source.function_at(other.lineno) is function
+    ]
+    if len(reads) == 1:
+        given = "; give its own arguments in the launch file, by arguments=[...]"
+        return f"write `{ast.unparse(node).replace(name, _OWN)}`", given
+    lines = sorted({other.lineno for other in reads})
+    first: ast.AST = next(other for other in reads if other.lineno == lines[0])
+    while (outer := source.above(first)) not in (None, function) and not isinstance(outer, ast.Module):
+        first = outer
+    above = f"above line {getattr(first, 'lineno', lines[0])}"
+    return f"write `own = {_OWN}` {above}, and `own` instead of `{name}` in {these_lines(lines)}", ""
