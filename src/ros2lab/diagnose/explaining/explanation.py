@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from ros2lab.diagnose.causes.answers import of_answer
+from ros2lab.diagnose.causes.asserted import of_asserted
 from ros2lab.diagnose.causes.declarations import declaration_fault
 from ros2lab.diagnose.causes.file_lookups import of_lost_slash
 from ros2lab.diagnose.causes.init_order import of_init_order, of_init_twice
@@ -202,6 +203,7 @@ def _made_elsewhere(error: ErrorText, known: list[Finding], look: Look) -> Findi
         or of_answer(error, look)
         or of_refused_name(error, look)
         or of_refused_rule(error, look)
+        or of_asserted(error, look)
         or of_lost_slash(error, look)
         or of_ros_arguments(error, look)
         or made_twice(error, known, look)
