@@ -11,7 +11,7 @@ import pytest
 
 from portable_ros2.new_package import File, NewPackage
 from ros2lab.classroom import similarity
-from ros2lab.classroom.similarity import Shared, pairs
+from ros2lab.classroom.similarity import Shared, most_alike, pairs
 
 OWN = '''"""A filter of my own."""
 
@@ -116,6 +116,12 @@ def disguised(text: str) -> str:
     text = text.replace("smoothed", "my_fun").replace("Ring", "Buffer").replace('"""', "'''", 4)
     parts = re.split(r"\n\n\n", text)
     return "# all my own work\n" + "\n\n\n".join([parts[0], *reversed(parts[1:])])
+
+
+def test_of_each_pair_the_largest_share_is_told() -> None:
+    hidden = {"a.py": OWN, "unused.py": OTHER * 3}
+    found = pairs({"ann": {"a.py": OWN}, "bob": {"a.py": OWN}})
+    assert most_alike([*pairs({"ann": hidden, "bob": {"a.py": OWN}}), *found]) == found
 
 
 def test_other_names_comments_and_another_order_hide_nothing() -> None:

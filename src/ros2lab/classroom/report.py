@@ -11,7 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import resources
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 import jinja2
@@ -22,7 +22,8 @@ from ros2lab import course
 from ros2lab.classroom.a_look import Looked, reasons
 from ros2lab.classroom.gradebook import Gradebook, Row
 from ros2lab.classroom.judging import Judging, read_grade
-from ros2lab.classroom.similarity import Pair, Shared, pairs, template_texts
+from ros2lab.classroom.similarity import Pair, Shared, most_alike, pairs, template_texts
+from ros2lab.grading.evidence import Evidence
 from ros2lab.grading.evidence_json import read_evidence
 from ros2lab.grading.grade import Grade
 from ros2lab.grading.reports.html import html
@@ -68,6 +69,11 @@ def write(book: Gradebook, judging: Judging, path: Path, template: Iterable[Path
     rows = book.rows()
     grades = {row.handed.key: read_grade(row.worth.data) for row in rows if row.worth}
     looks: dict[str, list[str]] = {}
+    sources, nodes, running = (
+        _sources(book, rows),
+        dict[str, Mapping[str, str]](),
+        dict[str, Mapping[str, str]](),
+    )
     links: dict[str, str] = {}
     for row in rows:
         looks[row.handed.key] = [*_of_the_row(row)]
@@ -75,17 +81,23 @@ def write(book: Gradebook, judging: Judging, path: Path, template: Iterable[Path
             continue
         evidence = read_evidence(book.evidence(row.grading))
         grade = grades[row.handed.key]
+        if code := _of_nodes(sources.get(row.handed.key, {}), evidence):
+            nodes[row.handed.key], running[row.handed.key] = code, _running(code, evidence)
         looks[row.handed.key] += reasons(Looked(row, grade, evidence, judging.rubric))
         links[row.handed.key] = f"{REPORTS}/{file_name(row)}.html"
         course.write_whole(path.parent / links[row.handed.key], html(grade, evidence).encode())
     too_long = "Its code takes too long to be read, and was compared with nobody else's."
     common, shared = list[str](), list[Shared]()
     alike = pairs(
-        _sources(book, rows),
+        sources,
         template_texts(template),
         lambda student: looks[student].append(too_long),
         common.append,
         shared.append,
+    )
+    # What nobody runs hides nothing.
+    alike = most_alike(
+        [*alike, *pairs(nodes, template_texts(template)), *pairs(running, template_texts(template))]
     )
     text = page(
         rows,
@@ -181,6 +193,24 @@ def _sources(book: Gradebook, rows: Iterable[Row]) -> dict[str, Mapping[str, str
         if row.grading:
             by_paths.setdefault(row.handed.paths, row)
     return {row.handed.key: book.sources(row.grading) for row in by_paths.values()}
+
+
+def _of_nodes(sources: Mapping[str, str], evidence: Evidence) -> dict[str, str]:
+    """Return the files of programs and of nodes."""
+    programs = evidence.build.executables if evidence.build else []
+    modules = {name for program in programs for name in program.modules}
+    modules |= {end.module for end in evidence.files.ends}
+    return {path: text for path, text in sources.items() if PurePosixPath(path).stem in modules}
+
+
+def _running(sources: Mapping[str, str], evidence: Evidence) -> dict[str, str]:
+    """Return files without the lines that never run."""
+    idle = {path: {*evidence.files.idle.get(path, ())} for path in sources}
+    lines = {path: enumerate(text.split("\n"), start=1) for path, text in sources.items()}
+    return {
+        path: "\n".join(line for number, line in numbered if number not in idle[path])
+        for path, numbered in lines.items()
+    }
 
 
 def _lost(judging: Judging, grades: Iterable[Grade]) -> Iterable[Lost]:

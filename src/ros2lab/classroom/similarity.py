@@ -14,8 +14,6 @@ import copy
 import io
 import json
 import re
-import signal
-import threading
 from collections import defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -28,6 +26,7 @@ from copydetect.utils import filter_code, hashed_kgrams
 from portable_ros2.new_package import File, NewPackage
 from ros2lab import course
 from ros2lab.classroom.one import NO_PYTHON, parsed
+from ros2lab.diagnose import net
 from ros2lab.diagnose.sources.file_texts import decoded
 
 NOISE = 25  # characters of the row of tokens; a match that is shorter is chance
@@ -130,6 +129,12 @@ def pairs(
     ]
 
 
+def most_alike(found: Iterable[Pair]) -> list[Pair]:
+    """Return each pair once, by the largest share that is found, the most alike first."""
+    best = {(pair.first, pair.second): pair for pair in sorted(found, key=lambda pair: pair.share)}
+    return sorted(best.values(), key=lambda pair: (-pair.share, pair.first, pair.second))[:MOST_PAIRS]
+
+
 def _held_by_many(whole: Mapping[str, Collection[int]]) -> dict[int, frozenset[str]]:
     """Return the marks that many of a class have, with those who have them."""
     holders = defaultdict[int, set[str]](set)
@@ -168,30 +173,11 @@ def _marks(
     found = {}
     for student, sources in classes_sources.items():
         try:
-            with _bounded(PATIENCE):
+            with net.bounded(PATIENCE):
                 found[student] = {path: _Fingerprint(text) for path, text in sources.items()}
         except TimeoutError:
             left_out(student)
     return found
-
-
-@contextlib.contextmanager
-def _bounded(seconds: float) -> Iterator[None]:
-    """Raise a TimeoutError in what takes more CPU time; in another thread than the main one it has no bound."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def end(*_: object) -> None:
-        raise TimeoutError
-
-    before = signal.signal(signal.SIGVTALRM, end)
-    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
-        signal.signal(signal.SIGVTALRM, before)
 
 
 class _Fingerprint(CodeFingerprint):
@@ -271,7 +257,7 @@ def _in_time(
 ) -> tuple[dict[str, list[Line]], dict[str, list[Line]]]:
     """Return what is alike in two submissions; nothing where it takes too long to find."""
     try:
-        with _bounded(PATIENCE):
+        with net.bounded(PATIENCE):
             return _side_by_side(first, second)
     except TimeoutError:
         return {}, {}
