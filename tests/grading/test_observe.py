@@ -60,6 +60,7 @@ node.create_timer(0.5, lambda: eval(sys.argv[1]) and tell())
 rclpy.spin(node)
 """
 _WAITS = """
+from geometry_msgs.msg import TwistStamped, Vector3
 from std_msgs.msg import Float32
 rclpy.init()
 node = rclpy.create_node("velocity")
@@ -1027,6 +1028,9 @@ def test_what_waits_for_flags_is_given_them_in_each_way(
         (["Twist", "True", "out.publish(message)"], ["/cmd_vel"]),
         (["Twist", "message.linear.x < 5.0", "message.linear.x /= 2; out.publish(message)"], ["/cmd_vel"]),
         (["Twist", "message.linear.x > 0.0", "out.publish(message)"], ["/cmd_vel"]),  # it holds some back
+        (["TwistStamped", "True", "out.publish(message.twist)"], ["/cmd_vel"]),
+        (["Vector3", "True", "out.publish(Twist(linear=message))"], ["/cmd_vel"]),
+        (["Vector3", "message.x < 5.0", "message.x /= 2; out.publish(Twist(linear=message))"], ["/cmd_vel"]),
     ],
 )
 def test_what_waits_for_a_message_is_given_it(observer: Observer, what: list[str], heard: list[str]) -> None:

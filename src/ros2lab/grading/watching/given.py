@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -71,7 +71,8 @@ class Given:
         self._flags: list[str] = []  # the topics of a single flag
         self._counts: dict[str, int] = defaultdict(int)  # what was given on each topic or service
         self._last: dict[str, Any] = {}  # what was given in this turn
-        self._said: dict[str, list[str]] = defaultdict(list)  # by type, the messages that were given
+        # By topic or service, and by type: the values in each message, request or response that was given.
+        self._said: dict[str, list[set[Any]]] = defaultdict(list)
         self._publishers: dict[str, Any] = {}
         self._clients: dict[str, Any] = {}
         self._services: dict[str, Any] = {}
@@ -83,13 +84,9 @@ class Given:
         return {"given": [*types], "gave": types, "ungiven": ungiven, "fatal": self.fatal, "when": self.when}
 
     def handed_on(self, heard: Mapping[str, Mapping[str, Any]]) -> list[str]:
-        """Return the topics on which nothing was heard but messages that were given, of the same type, and most of them."""
-        given = {topic: self._said[seen["type_name"]] for topic, seen in sorted(heard.items())}
-        return [
-            topic
-            for topic, said in given.items()
-            if {*map(str, heard[topic]["values"])} <= {*said} and heard[topic]["count"] > MOST * len(said)
-        ]
+        """Return the topics on which nothing was heard but values that were given together, and most of them."""
+        given = self._said.values()
+        return [topic for topic, seen in sorted(heard.items()) if any(_is_of(seen, said) for said in given)]
 
     def give_all(self) -> None:
         """Give everything, turn by turn, and wait after each until the nodes have taken it.
@@ -175,7 +172,6 @@ class Given:
             if self._hold is not None:  # the flags in each way that there is; first all are set
                 made.data = not self._hold >> self._flags.index(topic) & 1
         self._publishers[topic].publish(made)
-        self._said[type_name(message)].append(str(plain(made)))
         self.types[topic] = type_name(message)
 
     def _call(self, service: str, kind: Any) -> None:
@@ -214,8 +210,35 @@ class Given:
         filler.fill(message, self._counts[name])
         self._counts[name] += 1
         self._last[name] = plain(message)
+        for group in (name, type_name(type(message))):
+            self._said[group].append({*_values(self._last[name])})
         self.when.append((time.monotonic(), name, self._last[name]))
         return message
+
+
+def _is_of(heard: Mapping[str, Any], given: Sequence[set[Any]]) -> bool:
+    """Return whether all that was heard on a topic is in what was given, in the same order, and most of this."""
+    at, used = 0, set[int]()
+    for values in filter(None, ({*_values(value)} for value in heard["values"])):
+        at = next((turn for turn in range(at, len(given)) if values <= given[turn]), len(given))
+        used.add(at)
+    is_most = heard["count"] > MOST * len(given)
+    return is_most and len(given) not in used and 2 * len(used) > min(heard["count"], len(given))
+
+
+def _values(message: Any, field: str = "") -> Iterator[Any]:
+    """Yield what a plain message holds, but zeros and the like: texts, and others with the names of their fields."""
+    match message:
+        case dict():
+            for name, value in message.items():
+                yield from _values(value, name)
+        case list():
+            for value in message:
+                yield from _values(value, field)
+        case str():
+            yield from filter(None, (message,))
+        case _:
+            yield from ((field, value) for value in (message,) if value)
 
 
 def wanted(watch: Watch, *, manages: bool = True) -> Iterator[tuple[str, str, str]]:
