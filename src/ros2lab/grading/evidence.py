@@ -94,22 +94,18 @@ class Files:
         hard_coded: absolute paths of files in the launch files, which exist on one machine only.
         tests: the submission's own tests: the number of test functions by file.
         tests_left_out: files of own tests that were not run because they import what is not installed here.
-        findings: what `diagnose` found in the files, as [code, cause, place, fix, *about], the most likely
-            first.
-        handlers: places that catch exceptions: `by name`, `wholesale`, or only `of an end`, such as by
-            Ctrl-C.
+        findings: what `diagnose` found in the files, as [code, cause, place, fix, *about], the likeliest first.
+        handlers: places that catch exceptions: `by name`, `wholesale`, or only `of an end`, as by Ctrl-C.
         compared: the short texts that the code compares something with.
         depended_on: those that it compares with values from messages, and on which something depends.
         depended_by: of these, by topic those that what comes there is compared with; all others by an empty name.
         named: the commands that code or a file of data names; None if that is not known.
         branches: by such a text, whether its branch is plainly `mute`, or the program's `last`; see `branches`.
-        idle: for each file, the lines of functions that never run and of assignments that no running code
-            reads.
+        idle: for each file, the lines of functions that never run and of assignments that no running code reads.
         ends: the publishers and subscriptions that the code creates.
         ends_meant: the same where its slips of typing are corrected as the findings say; empty if there are none.
         ends_left: the same without the code of which the findings say that it is in vain; empty if that changes none.
-        ends_elsewhere: those that the rest of the submission may create, on unknown topics; None if not
-            known.
+        ends_elsewhere: those that the rest of the submission may create, on unknown topics; None if not known.
         contents: the `words` and `numbers` that the code compares, by the topic's last part; under "" for any other.
         declared: the parameters that the code declares, with their defaults; None for an unknown default.
         notes: what was not looked at, and why.

@@ -114,10 +114,7 @@ def passed_on(line: str, error: ErrorText, look: Look) -> Finding | None:
 
 
 def _concerns(warning: re.Match[str], step: Step) -> bool:
-    """Return whether a warning is worth telling.
-
-    It must not be about later versions, and it must be about the student's code unless the command failed.
-    """
+    """Return whether a warning is not about later versions, and about the student's code unless the command failed."""
     # pytest warns at a line of its own code, and names the test.
     is_own = ".py" in warning["message"] or bool(own_frames([Frame(warning["file"], int(warning["line"]))]))
     return not OF_LATER.search(f"{warning['kind']}: {warning['message']}") and (is_own or not step.ended_well)
