@@ -64,33 +64,6 @@ def test_what_brings_about_what_is_so_already_is_believed_by_the_code(
     assert one.points == points, one.reason
 
 
-@pytest.mark.parametrize(("named", "points"), [(None, 6), (WORDS, 6), (("start", "stop"), 3), ((), 0)])
-def test_a_word_that_nothing_names_is_known_by_chance(named: Sequence[str] | None, points: float) -> None:
-    known = None if named is None else [*named]
-    one = judged(evidences.files(named=known)(evidences.right()), "commands")
-    assert one.points == points
-    assert ("by chance" in one.reason) is (points < 6)
-
-
-@pytest.mark.parametrize(
-    ("topic", "is_there", "points"),
-    [
-        ("/robot/command", False, 6),
-        ("/robot/mode", True, 0),  # nobody publishes there
-        ("/mode", False, 6),  # it may be there by another name
-        ("", False, 6),
-    ],
-)
-def test_words_are_believed_where_a_command_comes(topic: str, is_there: bool, points: float) -> None:
-    run = evidences.command_run(log=evidences.echo)
-    run = replace(
-        run, subscribes=run.subscribes | ({topic: {"/mode": [evidences.STRING]}} if is_there else {})
-    )
-    given = evidences.runs(run)(evidences.right())
-    given = evidences.files(depended_on=[*WORDS], depended_by={topic: [*WORDS]})(given)
-    assert judged(given, "commands").points == points
-
-
 def test_a_node_that_shows_nothing_is_not_believed_by_its_code_alone() -> None:
     evidence = evidences.runs(evidences.command_run(log=silent))(evidences.right())
     assert judged(evidences.files(depended_on=[*WORDS])(evidence), "commands").points == 0

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source
-from ros2lab.grading.code.dependence import depended_by, depended_on
+from ros2lab.grading.code.dependence import depended_on
 from ros2lab.grading.code.running import running
 
 NODE = """
@@ -53,37 +53,6 @@ def found(tmp_path: Path, **parts: str) -> list[str]:
     one = source(tmp_path, NODE.format(**lines))
     ast.parse(one.text)
     return depended_on([one], [*running([one])])
-
-
-def test_what_is_compared_is_told_by_topic(tmp_path: Path) -> None:
-    text = """
-import rclpy
-from rclpy.node import Node
-from std_msgs.msg import String
-
-class Taker(Node):
-    def __init__(self):
-        super().__init__("taker")
-        self.create_subscription(String, "/robot/command", self.take, 10)
-        self.create_subscription(String, "/robot/mode", lambda message: self.obey(message.data), 10)
-        self.create_service(Trigger, "/go", self.go)
-
-    def take(self, message):
-        self.get_logger().info(message.data)
-
-    def obey(self, word):
-        if word == "start":
-            print("go")
-
-    def go(self, request, response):
-        if request.word == "stop":
-            print("stop")
-
-rclpy.spin(Taker())
-"""
-    one = source(tmp_path, text)
-    by = depended_by([one], [*running([one])])
-    assert by == {"/robot/command": [], "/robot/mode": ["start"], "": ["stop"]}
 
 
 RIGHT: dict[str, dict[str, str]] = {

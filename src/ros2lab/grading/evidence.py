@@ -98,8 +98,6 @@ class Files:
         handlers: places that catch exceptions: `by name`, `wholesale`, or only `of an end`, as by Ctrl-C.
         compared: the short texts that the code compares something with.
         depended_on: those that it compares with values from messages, and on which something depends.
-        depended_by: of these, by topic those that what comes there is compared with; all others by an empty name.
-        named: the commands that code or a file of data names; None if that is not known.
         branches: by such a text, whether its branch is plainly `mute`, or the program's `last`; see `branches`.
         idle: for each file, the lines of functions that never run and of assignments that no running code reads.
         ends: the publishers and subscriptions that the code creates.
@@ -135,8 +133,6 @@ class Files:
     handlers: dict[str, list[Place]] = field(default_factory=dict)
     compared: list[str] = field(default_factory=list)
     depended_on: list[str] = field(default_factory=list)
-    depended_by: dict[str, list[str]] = field(default_factory=dict)
-    named: list[str] | None = None
     branches: dict[str, list[str]] = field(default_factory=dict)
     idle: dict[str, list[int]] = field(default_factory=dict)
     ends: list[WrittenEnd] = field(default_factory=list)
@@ -158,7 +154,6 @@ class Files:
 
 
 NO_ENTRY_POINT = "No entry point leads to it."  # a fault of an executable
-UNREAD = "The package could not be read."  # as the error of a build
 UNBUILT = "The package was not built."
 ELSEWHERE, NOWHERE = "It was installed in ", "It was not installed in "  # how others begin
 

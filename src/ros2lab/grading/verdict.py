@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import PurePosixPath
 
 from ros2lab.assignments import Part
-from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, UNREAD, Build, Evidence, Run
+from ros2lab.grading.evidence import GIVEN, NO_ENTRY_POINT, Build, Evidence, Run
 from ros2lab.grading.grade import SCHEMA, Fault, Grade, Judgement, Override, Points
 from ros2lab.grading.judging.excuses import wrong_line
 from ros2lab.grading.judging.leftovers import case_of
@@ -36,10 +36,8 @@ ALWAYS_WRONG = frozenset(
 GONE = "Fix first why the node was not seen."
 LONGEST_WHY = 200
 NOT_TRIED = "This could not be tried here, costs nothing, and is left to the instructor: {}."
-NOT_SEEN = "This could not be tried here{also}, so that {share:.0%} counts and the rest is left to the instructor: {}."
+NOT_SEEN = "This could not be tried here, as with another node, so that {share:.0%} counts and the rest is left to the instructor: {}."
 SHOW = "Show the instructor what it does where nothing is missing."
-LESS = "Hand in what the work needs, in files that a person can write."
-NOT_STARTED = "Nothing was built or started, for what was handed in is too large or too entangled to be read."
 NOT_DONE = "This could not be tried here: {}. But {}."
 DO = "Write what the node is to do, also where it cannot be tried."
 DOUBTED = "Only {share:.0%} of it counts, because {why}."
@@ -75,9 +73,7 @@ def verdict(evidence: Evidence, rubric: Rubric, overrides: Mapping[str, Decision
         criterion.id: QUESTIONS[criterion.question].ask(case, assignment.parts.get(criterion.component))
         for criterion in rubric.criteria
     }
-    gone = {*as_far_as_possible(_gone(case))}
-    absent = NOT_STARTED if evidence.build and evidence.build.error == UNREAD else ""
-    machine = [*_weighed(rubric, answers, [*_judged(rubric, answers, gone, absent)])]
+    machine = [*_weighed(rubric, answers, [*_judged(rubric, answers, {*as_far_as_possible(_gone(case))})])]
     criteria = [_decided(judgement, decisions.get(judgement.id)) for judgement in machine]
     total = round(sum(criterion.points for criterion in criteria), 2)
     return Grade(
@@ -112,10 +108,7 @@ def _gone(case: Case) -> Iterator[str]:
             yield name
 
 
-def _judged(
-    rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str], absent: str
-) -> Iterator[Judgement]:
-    """Yield the judgements; `absent` says why no node could be seen, where none could."""
+def _judged(rubric: Rubric, answers: Mapping[str, Answer], gone: Container[str]) -> Iterator[Judgement]:
     wanting = {criterion.component for criterion in rubric.criteria if answers[criterion.id].is_for_want} & {
         *rubric.assignment.parts
     }
@@ -124,21 +117,14 @@ def _judged(
         level = criterion.levels[answer.level]
         hint = GONE if answer.level in ABSENT and criterion.component in gone else level.hint
         share, reason = level.share, level.reason.format_map(answer.seen).strip()
-        reason = (
-            answer.level in ABSENT and criterion.component in rubric.assignment.parts and absent
-        ) or reason
         if answer.excuse and answer.lack:
             reason, hint = NOT_DONE.format(shown(answer.excuse, LONGEST_WHY), answer.lack), DO
-        elif (
-            (answer.is_too_large and criterion.component != BONUS)
-            or (answer.is_for_want and not answer.is_too_large and len(wanting) > 1)
-        ) and rubric.untried < 1:
-            share, hint = max(share, rubric.untried), LESS if answer.is_too_large else SHOW
-            also = "" if answer.is_too_large else ", as with another node"
-            reason = NOT_SEEN.format(shown(answer.excuse, LONGEST_WHY), also=also, share=share)
+        elif answer.is_for_want and len(wanting) > 1 and rubric.untried < 1:
+            share, hint = max(share, rubric.untried), SHOW
+            reason = NOT_SEEN.format(shown(answer.excuse, LONGEST_WHY), share=share)
         elif answer.excuse:
-            # Nobody gets a bonus for what was not read.
-            is_extra = criterion.component == BONUS and (answer.is_too_large or NO_FAULT in answer.excuse)
+            # Nobody gets a bonus for what we failed to read.
+            is_extra = criterion.component == BONUS and NO_FAULT in answer.excuse
             share, reason = share if is_extra else 1.0, NOT_TRIED.format(shown(answer.excuse, LONGEST_WHY))
         yield Judgement(
             id=criterion.id,
@@ -343,7 +329,7 @@ def _notes_of_build(build: Build) -> Iterator[str]:
 
 
 def _unwritten(case: Case, player: Player) -> Iterator[str]:
-    if "ends" not in case.evidence.files.unread and not case.is_written(player.part):
+    if not case.is_written(player.part):
         yield (
             f"Reading did not find the code that makes what {shown(player.node)} has on {shown(player.topic)}: "
             "look at its program, and at what that starts."

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from ros2lab.grading.building.colcon_build import Outcome, overlay_of, run_colcon
 from ros2lab.grading.building.programs import MOST_PROGRAMS, loose_script, of_modules, programs_of
-from ros2lab.grading.evidence import UNREAD, Build, Executable
+from ros2lab.grading.evidence import Build, Executable
 from ros2lab.grading.reading.build_plan import Plan, needs_cmake, one_line
 from ros2lab.grading.receiving.notes import first_of
 from ros2lab.grading.receiving.submission import Submission
@@ -72,7 +72,7 @@ def _unbuilt(
     submission: Submission, plan: Plan | None, loose: Iterable[Executable], environ: dict[str, str]
 ) -> Build:
     """Return the result where nothing can be built: only files that are started as they are."""
-    error = UNREAD if submission.package else "There is no package to build."
+    error = "The package could not be read." if submission.package else "There is no package to build."
     programs = [replace(script, fault="There is no package to which it belongs.") for script in loose][
         :MOST_PROGRAMS
     ]

@@ -11,8 +11,6 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Iterator
 from functools import cache, cached_property
 
-from ros2lab.diagnose.nodes.topic_faults import ends_of
-from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PAUSES, PythonSource, children, walk
 from ros2lab.grading.code.compared import LOOKS_FOR, compared
 from ros2lab.grading.code.running import Code
@@ -22,24 +20,10 @@ _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 _LOOKS_UP = frozenset(("get", "pop", "setdefault", "__getitem__"))
 
 
-def depended_by(sources: Collection[PythonSource], code: Code) -> dict[str, list[str]]:
-    """Return by topic what `depended_on` does for the values that come there, and for all others by an empty name."""
-    flow, nodes = Flow(sources, code), NodeSources({source.name: source for source in sources})
-    topics = {end.creation.call: f"/{end.topic}" for end in ends_of(nodes)}
-    by = defaultdict[str, set[ast.AST]](set)
-    for creation in nodes.creations:
-        if creation.method == "create_subscription":
-            given = creation.given("callback")
-            callback = given if isinstance(given, ast.Lambda) else nodes.function_of(creation, given)
-            by[topics.get(creation.call, "")].update(filter(None, [callback]))
-    known = set[ast.AST]().union(*(by[topic] for topic in by if topic)) - by.pop("", set())
-    by[""] = flow.starts - known
-    return {topic: flow.depended_on(found & flow.starts) for topic, found in by.items()}
-
-
 def depended_on(sources: Collection[PythonSource], code: Code) -> list[str]:
     """Return the texts that running code compares with values from messages, if something depends on it."""
-    return Flow(sources, code).depended_on()
+    flow = Flow(sources, code)
+    return compared(node for node in flow.code if flow.tells_apart(node))
 
 
 class Flow:
@@ -66,16 +50,6 @@ class Flow:
         for node in self.code:
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
                 self.named[node.name].append(node)
-
-    @cached_property
-    def starts(self) -> set[ast.AST]:
-        """The functions that anything may call, with a message."""
-        return {node for node in self.code if isinstance(node, _FUNCTIONS) and not self._is_called(node)}
-
-    def depended_on(self, starts: Collection[ast.AST] | None = None) -> list[str]:
-        """Return the texts that are compared with values from messages that come in some functions; None for all."""
-        self._follow(self.starts if starts is None else starts)
-        return compared(node for node in self.code if self.tells_apart(node))
 
     def tells_apart(self, node: ast.AST) -> bool:
         """Return whether something depends on a comparison or look-up of a value from a message."""
@@ -163,11 +137,10 @@ class Flow:
     @cached_property
     def _coming(self) -> set[Name]:
         """The names that may hold values from messages."""
-        return self._follow(self.starts)
-
-    def _follow(self, starts: Iterable[ast.AST]) -> set[Name]:
-        """Find the names that may hold values from messages that come in some functions."""
-        coming: set[Name] = {(function, name) for function in starts for name in _given(function)}
+        coming: set[Name] = set()
+        for function in self.code:
+            if isinstance(function, _FUNCTIONS) and not self._is_called(function):
+                coming |= {(function, name) for name in _given(function)}
         self._coming = coming  # those found so far, which `_handed_on` looks up
         before = -1
         while before < len(coming):

@@ -61,7 +61,6 @@ class Told(NamedTuple):
         already: those whose effect holds already.
         believed: those that only the log shows to have come, and on which the code depends.
         unsent: those that were not sent; see `unsent_by`.
-        unnamed: those that nothing in the submission names, and that so are known by chance if they are.
     """
 
     effects: dict[int, dict[str, str]]
@@ -69,7 +68,6 @@ class Told(NamedTuple):
     already: set[str]
     believed: set[str]
     unsent: set[str]
-    unnamed: set[str]
 
     @property
     def known(self) -> set[str]:
@@ -89,24 +87,14 @@ def told_of(case: Case, part: Part) -> Told:
     }
     by_place = told_by_place(part, runs.values(), quiet)
     already = _is_so_already(case, part, effects)
-    named = case.evidence.files.named
-    unnamed = set() if named is None else {*part.commands}.difference(named)
-    processed = (words_of(effects, "processed") | already) - by_place - unnamed
+    processed = (words_of(effects, "processed") | already) - by_place
     believed = words_of(effects, "echoed") & _depended_on(case)
     unsent = unsent_by(case, part, runs.values(), processed)
-    return Told(effects, processed, already, believed - processed - unsent - by_place, unsent, unnamed)
+    return Told(effects, processed, already, believed - processed - unsent - by_place, unsent)
 
 
 def _depended_on(case: Case) -> set[str]:
-    """Return the texts that the code compares with what may come of a command."""
-    files, runs = case.evidence.files, [run for run in case.evidence.runs if run.commands]
-    # A topic that was never seen may be there by another name.
-    others = {topic for run in case.evidence.runs for topic in run.subscribes}
-    for run in runs:
-        others -= {run.commanded, *(name for name in run.publishes if reactions.is_reached(run, name))}
-    coming = {text for topic, texts in files.depended_by.items() if topic not in others for text in texts}
-    known = {*files.depended_on} & (coming if files.depended_by else {*files.depended_on})
-    return set() if compares_in_vain(case) else known
+    return set() if compares_in_vain(case) else {*case.evidence.files.depended_on}
 
 
 def compares_in_vain(case: Case) -> bool:

@@ -18,7 +18,7 @@ from ros2lab.grading.judging.excuses import Excuse, excuse
 from ros2lab.grading.judging.player import finds_no_keyboard
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.judging.sisters import lost_sister
-from ros2lab.grading.reading.unread import FAILED, NO_FAULT, TOO_LARGE, excuse_of, missing
+from ros2lab.grading.reading.unread import FAILED, NO_FAULT, missing
 from ros2lab.grading.sandbox.keeper import is_limit
 from ros2lab.grading.sandbox.worlds import FILES
 
@@ -84,11 +84,6 @@ class Answer:
         """Whether it could not be tried for want of what is not where it is graded, or of time: not for our fault."""
         return self.excuse not in ("", FAILED)
 
-    @property
-    def is_too_large(self) -> bool:
-        """Whether it could not be told, for what was handed in is too large or too entangled to be read."""
-        return self.excuse == TOO_LARGE
-
 
 @dataclass(frozen=True)
 class Question:
@@ -121,7 +116,7 @@ class Question:
     _ask: Callable[..., Answer]
 
     def ask(self, case: Case, part: Part | None) -> Answer:
-        """Answer the question, about `part` if it needs one; an answer from what we failed to read, or none, costs nothing."""
+        """Answer the question, about `part` if it needs one; an answer from an unread fact, or none, costs nothing."""
         with missing(case.evidence) as unread:
             try:
                 answer = self._answer(case, part)
@@ -131,8 +126,7 @@ class Question:
                 seen = dict.fromkeys(self.names, "") | (asked(part) if part and self.is_of_part else {})
                 return Answer(self.answers[-1], seen, excuse=why)
         is_open = unread and answer.level != self.answers[0]
-        whys = [case.evidence.files.unread[name] for name in unread]
-        return replace(answer, excuse=excuse_of(whys), lack="") if is_open else answer
+        return replace(answer, excuse=FAILED, lack="") if is_open else answer
 
     def _answer(self, case: Case, part: Part | None) -> Answer:
         if not self.is_of_part or part is None:

@@ -38,7 +38,6 @@ VERY_MANY = "very many commands"
 SLOW = "A node is slow to answer"  # the beginning of a run's note
 FLOOD = " x "  # part of the observer's name for them
 
-BY_CHANCE = ": what is answered is named by no line of the code, and is known by chance"
 _SAID = dict.fromkeys(("unprocessed", "why", "so", "own", "besides", "fallback", "spelling"), "")
 
 
@@ -74,18 +73,12 @@ def commands_are_processed(case: Case, part: Part) -> Answer:
         "unprocessed": listed([word for word in part.commands if word not in known]),
         "so": so,
         "own": listed(own),
-        "besides": _besides(told, own),
+        "besides": f", but something does follow {listed(own)}" if own else "",
         "fallback": shown(next(iter(mixed.values()), "").replace("{}", "…")),
         "spelling": listed(_spelt_otherwise(part, own) or [part.commands[0].upper()]),
     }
     best = max(told.effects, key=lambda number: [*told.effects[number].values()].count("processed"))
     return Answer(level, seen, _keys_of(part, best, runs[best]), shown(players[0].node))
-
-
-def _besides(told: Told, own: list[str]) -> str:
-    """Return what is to be said besides of other words, as the end of a sentence."""
-    is_by_chance = not told.unnamed.isdisjoint(words_of(told.effects, "processed"))
-    return BY_CHANCE if is_by_chance else f", but something does follow {listed(own)}" if own else ""
 
 
 def _processed(case: Case, part: Part, runs: Sequence[Run], told: Told, own: Sequence[str]) -> str:
@@ -96,10 +89,7 @@ def _processed(case: Case, part: Part, runs: Sequence[Run], told: Told, own: Seq
         return "told_apart" if told.believed else "until_end"
     if told.processed:
         return "inverted" if _is_inverted(case, part) else _level_of(count, part)
-    is_spelt = _spelt_otherwise(part, own) or any(
-        _obeys_capitals(part, run, unprompted(case)) for run in runs
-    )
-    if is_spelt and not told.unnamed:
+    if _spelt_otherwise(part, own) or any(_obeys_capitals(part, run, unprompted(case)) for run in runs):
         return "capitals"
     if own and not known:
         return "own_words"

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from pathlib import PurePosixPath
 
-from ros2lab.grading.evidence import OTHER_TYPE, UNREAD
+from ros2lab.grading.evidence import OTHER_TYPE
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
 from ros2lab.grading.questions.package import wanting
@@ -52,11 +52,12 @@ def colcon_finds_package(case: Case) -> Answer:
     seen = {"package": shown(case.package or "the package"), "others": "", "top": "", "why": "", "error": ""}
     build = case.evidence.build
     files = case.evidence.files
-    is_unread = build is not None and build.error == UNREAD
-    if is_unread or build is None or case.evidence.submission.package is None or not _is_package(case):
+    is_package = files.manifest.get("is_there") or files.setup.get("installs_modules")
+    if build is None or case.evidence.submission.package is None or not is_package:
         level = "no_package" if case.evidence.submission.package is None else "bare"
-        seen["why"] = "its files could not be read" if is_unread else _BARE
-        if build and build.error and not is_unread:
+        is_read = bool(files.manifest)
+        seen["why"] = _BARE if is_read else "its files could not be read"
+        if is_read and build and build.error:
             seen["why"] += f" and ends with {last_word(build.error, LONGEST_ERROR)}"
         return Answer(level, seen, ("build", "files.manifest"), shown(_folder(case)))
     if twins := _twins(case):
@@ -77,13 +78,6 @@ def colcon_finds_package(case: Case) -> Answer:
     level = "other_type" if needs_cmake or is_passed_over else "fails"
     keys = ("build.is_built", "build.error")
     return Answer(level, seen | {"error": error}, keys, shown(_folder(case)), excuse=wanting(case))
-
-
-def _is_package(case: Case) -> bool:
-    """Return whether it is a package, as far as was read; what was built is one."""
-    build, files = case.evidence.build, case.evidence.files
-    is_there = files.manifest.get("is_there") or files.setup.get("installs_modules")
-    return bool(is_there or (build and build.is_built and not files.manifest))
 
 
 def _of_twins(case: Case, twins: list[str], seen: dict[str, str]) -> Answer:

@@ -32,7 +32,7 @@ CLAUSES = {
 }
 
 _SAYING = LOG_METHODS | {"log", "exception", "write"}
-WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Za-z][a-z]*")  # in a text or a name
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Za-z][a-z]*")  # in a text or a name
 
 
 class Deeds:
@@ -131,19 +131,17 @@ class Deeds:
 
         A text that is only logged, or describes the code, does not count.
         """
-        return {*self._words} <= names_in(self._code)
-
-
-def names_in(code: Collection[ast.AST]) -> set[str]:
-    """Return the words of the texts in code, and of the names that it gives; not what is only logged or describes it."""
-    told = set[ast.AST]()
-    for node in code:
-        match node:
-            case ast.Expr(value=ast.Constant() as text):
-                told.add(text)
-            case ast.Call(func=function) if _says(function):
-                told |= {part for given in node.args for part in (given, *ast.iter_child_nodes(given))}
-    return {word.lower() for node in code if node not in told for word in WORD.findall(_given(node))}
+        told = set[ast.AST]()
+        for node in self._code:
+            match node:
+                case ast.Expr(value=ast.Constant() as text):
+                    told.add(text)
+                case ast.Call(func=function) if _says(function):
+                    told |= {part for given in node.args for part in (given, *ast.iter_child_nodes(given))}
+        found = {
+            word.lower() for node in self._code if node not in told for word in _WORD.findall(_given(node))
+        }
+        return {*self._words} <= found
 
 
 def _is_no_field(name: str, fields: Collection[str]) -> bool:
@@ -156,16 +154,7 @@ def _given(node: ast.AST) -> str:
     match node:
         case ast.Constant(value=str(text)):
             return text
-        case ast.Constant(value=bytes(data)):
-            return data.decode(errors="replace")
-        case (
-            ast.Name(id=name, ctx=ast.Store())
-            | ast.Attribute(attr=name, ctx=ast.Store())
-            | ast.FunctionDef(name=name)
-            | ast.AsyncFunctionDef(name=name)
-            | ast.ClassDef(name=name)
-            | ast.keyword(arg=str(name))
-        ):
+        case ast.Name(id=name, ctx=ast.Store()) | ast.FunctionDef(name=name):
             return name
     return ""
 

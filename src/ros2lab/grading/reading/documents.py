@@ -10,12 +10,10 @@ import zlib
 from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
 
-from ros2lab.diagnose import net
 from ros2lab.diagnose.sources.interfaces import PACKAGES
 from ros2lab.diagnose.sources.python_source import PythonSource, read_text
 from ros2lab.grading.reading import markdown, plain_markup
 from ros2lab.grading.reading.described import code_of
-from ros2lab.grading.reading.unread import PATIENCE
 from ros2lab.grading.receiving.clean_copy import CHUNK, opened
 from ros2lab.grading.receiving.submission import MOST_SOURCE, FoundPackage, Submission
 
@@ -89,11 +87,7 @@ def readmes(
             and (file.suffix.lower() not in ("", ".txt") or _OF_ROS.search(_any_text(root / file)))
         ]
     named.sort(key=lambda file: (str(file.parent) != package, len(file.parts), str(file)))
-    try:
-        with net.bounded(PATIENCE):
-            texts = [_shown(root / file) for file in named]
-    except (TimeoutError, RecursionError, MemoryError):  # they are taken as they are written
-        texts = [_any_text(root / file)[:LONGEST_README] for file in named]
+    texts = (_shown(root / file) for file in named)
     return "\n\n".join(filter(None, dict.fromkeys(texts)))[:LONGEST_README]
 
 

@@ -26,7 +26,7 @@ from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_par
 from ros2lab.diagnose.sources.python_source import PythonSource, read_source, read_text
 from ros2lab.grading.code.branches import branches
 from ros2lab.grading.code.compared import compared, contents_of
-from ros2lab.grading.code.dependence import depended_by, depended_on
+from ros2lab.grading.code.dependence import depended_on
 from ros2lab.grading.code.running import Code, idle, running
 from ros2lab.grading.code.vain_handlers import VainHandlers
 from ros2lab.grading.evidence import Files, Place, WrittenEnd
@@ -50,7 +50,7 @@ from ros2lab.grading.reading.launch_files import (
 from ros2lab.grading.reading.package_facts import manifest_facts, setup_facts
 from ros2lab.grading.reading.tests_handed_in import test_files, tests_of
 from ros2lab.grading.reading.unread import OF_CODE, OF_EACH_FILE, Tell, is_open, legible, read_all, told
-from ros2lab.grading.reading.written_ends import ends_elsewhere, ends_left, named, written_ends
+from ros2lab.grading.reading.written_ends import ends_elsewhere, ends_left, written_ends
 from ros2lab.grading.receiving.submission import Submission
 from ros2lab.handlers import Handlers
 
@@ -172,8 +172,6 @@ class _PackageReader:
             "handlers": lambda: _handlers(_of_nodes(self.sources), self.code),
             "compared": lambda: compared(node for _, node in self.mended_code),
             "depended_on": lambda: depended_on(self.mended, self.mended_code),
-            "depended_by": lambda: depended_by(self.mended, self.mended_code),
-            "named": lambda: named(root, self.paths, self.mended, self.words),
             "branches": lambda: branches(self.mended, self.mended_code, self.words, self.findings),
             "idle": lambda: idle(self.sources, self.code),
             "ends": lambda: self.ends[0],
@@ -263,8 +261,6 @@ def _loose(
         "handlers": lambda: _handlers(loose, [*running(loose)]),
         "compared": lambda: compared(node for _, node in running(whole())),
         "depended_on": lambda: depended_on(whole(), [*running(whole())]),
-        "depended_by": lambda: depended_by(whole(), [*running(whole())]),
-        "named": lambda: named(root, paths, whole(), words),
         "branches": lambda: branches(whole(), [*running(whole())], words, findings()),
         "contents": lambda: contents_of(whole()),
         "ends": ends,

@@ -53,11 +53,11 @@ class Package(SourcePackage):
         return []
 
     @cached_property
-    def _unread(self) -> dict[Path, int]:
+    def _unread(self) -> list[Path]:
         """Its largest Python files, which exceed what is parsed of a package."""
         sizes = sorted((path.lstat().st_size, path) for path in self.folder.rglob("*.py"))
         totals = itertools.accumulate(size for size, _ in sizes)
-        return {path: size for (size, path), total in zip(sizes, totals, strict=True) if total > MOST_SOURCE}
+        return [path for (_, path), total in zip(sizes, totals, strict=True) if total > MOST_SOURCE]
 
     @cached_property
     def _parsed(self) -> tuple[Any, str | None, int | None]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import itertools
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
@@ -90,8 +89,7 @@ def module_of(source: PythonSource, name: str, file: Path, base: str, own: Colle
     targets = {found.target for found in source.imports}
     if any(target.startswith(_LATE_IMPORTS) for target in targets):
         targets |= _named_late(source, own)
-    heads = (itertools.accumulate(target.split("."), "{}.{}".format) for target in targets)
-    imported = sorted({*itertools.chain.from_iterable(heads)}.intersection(own))
+    imported = sorted(m for m in own if any(t == m or t.startswith(f"{m}.") for t in targets))
     tops = {target.partition(".")[0] for target in targets}
     stored = {n.id for n in source.nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
     functions = [*_starts(source)] if "rclpy" in tops or imported else []

@@ -1,6 +1,4 @@
-"""What was not read in a submission, for a reader failed or met a limit, and the grade says so.
-
-A failure of ours costs and gains nothing; of what is too large or too entangled to be read, a share counts.
+"""What was not read in a submission, for a reader failed or met a limit: it costs and gains nothing, and the grade says so.
 
 In the tests the failure itself is raised, so that our fault is seen.
 """
@@ -22,7 +20,7 @@ from ros2lab.grading.evidence import Evidence, Files
 OF_CODE = (
     *("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded", "tests", "handlers"),
     *("compared", "depended_on", "idle", "ends", "ends_elsewhere", "declared", "findings"),
-    *("branches", "ends_meant", "ends_left", "contents", "depended_by", "named"),
+    *("branches", "ends_meant", "ends_left", "contents"),
 )
 # Of these, what each file adds its share to: where some of the code was read, its share stands for all.
 OF_EACH_FILE = frozenset(("sources", "sources_beside", "readme_names", "launched_programs", "hard_coded"))
@@ -38,8 +36,6 @@ _SEEN_RUNNING = frozenset(
         "declared",
         "idle",
         "contents",
-        "depended_by",
-        "named",
     )
 )
 Tell = Callable[[str, Any], None]
@@ -48,8 +44,6 @@ _ROOM = 8  # levels, for what is neither an expression nor a statement
 FACT = "fact "  # before the name of one that is told before all are known
 NO_FAULT = "which is no fault of the submission"
 FAILED = f"the grader has not read all that this rests on, {NO_FAULT}"
-TOO_LARGE = "what this rests on is too large or too entangled to be read"
-PATIENCE = 4.0  # s of CPU time for one reader
 
 
 def read_all(
@@ -58,16 +52,19 @@ def read_all(
     """Return the readers' results by name, and by name why the other readers failed.
 
     Each is told as soon as it is known, those that are read in code last: a limit may end the reading at any time.
+
+    Raises:
+        MemoryError, RecursionError, OSError: if the submission itself cannot be read.
     """
     found: dict[str, Any] = {}
     failed: dict[str, str] = {}
     for name, read in sorted(readers.items(), key=lambda reader: reader[0] in OF_CODE):
         try:
-            with net.bounded(PATIENCE):
-                value = read()
-            found[name] = value
-            tell(name, value)
+            found[name] = read()
+            tell(name, found[name])
         except Exception as error:
+            if not net.is_ours(error):
+                raise
             failed[name] = net.unjudged(error).cause
     return found, failed
 
@@ -79,16 +76,8 @@ def is_open(source: PythonSource) -> bool:
 
 def told(failed: Mapping[str, str]) -> list[str]:
     """Return sentences that say what was not read, and why."""
-    rest = {
-        TOO_LARGE: "What rests on it counts in part, and is left to the instructor.",
-        FAILED: "What rests on it costs nothing, and is left to the instructor.",
-    }
-    return [f"Not read in full: {why} {rest[excuse_of([why])]}" for why in dict.fromkeys(failed.values())]
-
-
-def excuse_of(whys: Iterable[str]) -> str:
-    """Return the excuse for what rests on facts that were not read, by the reasons for that."""
-    return FAILED if any(net.OURS in why for why in whys) else TOO_LARGE
+    rest = "What rests on it costs nothing, and is left to the instructor."
+    return [f"Not read in full: {why} {rest}" for why in dict.fromkeys(failed.values())]
 
 
 def as_far_as_possible(said: Iterable[_Said]) -> Iterator[_Said]:

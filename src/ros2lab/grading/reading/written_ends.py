@@ -19,7 +19,7 @@ from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.python_source import PythonSource, last_name, walk
 from ros2lab.grading.code.running import running
 from ros2lab.grading.evidence import WrittenEnd
-from ros2lab.grading.reading.deeds import WORD, Deeds, names_in
+from ros2lab.grading.reading.deeds import Deeds
 from ros2lab.grading.reading.documents import is_prose
 
 MOST_ENDS = 100
@@ -129,29 +129,6 @@ def ends_elsewhere(
     return [*found, *hidden_ends(sources, ends)]
 
 
-def named(
-    root: Path, paths: Iterable[PurePosixPath], sources: Collection[PythonSource], words: Collection[str]
-) -> list[str]:
-    """Return the words that a submission names: `sources` in their code, all other files but prose anywhere."""
-    known, found = {source.path for source in sources}, set[str]()
-    for source in sources:
-        found |= names_in(source.nodes) if source.tree and source.tree.body else {*_words_in(source.text)}
-    for path in paths:
-        if (
-            root / path not in known
-            and path.name != "package.xml"
-            and (not is_prose(path) or path.suffix == ".txt")
-        ):
-            data = _beginning(root / path)
-            text = " ".join(words) if len(data) > LARGEST_FILE else data.decode(errors="replace")
-            found.update(_words_in(text))
-    return [word for word in words if found.issuperset(_words_in(word))]
-
-
-def _words_in(text: str) -> Iterable[str]:
-    return (word.lower() for word in WORD.findall(text))
-
-
 def _makers_in(source: PythonSource) -> Iterator[str]:
     """Yield the name of a method that makes an end for each time that a module uses the name."""
     if not source.tree.body:  # what cannot be parsed, or is empty
@@ -165,15 +142,11 @@ def _makers_in(source: PythonSource) -> Iterator[str]:
 
 def _named_makers(path: Path) -> Iterable[str]:
     """Return the names in a file of methods that make an end; all for a Python file that is too large."""
-    data = _beginning(path)
+    with path.open("rb") as file:
+        data = file.read(LARGEST_FILE + 1)
     if len(data) > LARGEST_FILE and path.suffix == ".py":
         return _MAKERS
     return {*_makers_named(data)}
-
-
-def _beginning(path: Path) -> bytes:
-    with path.open("rb") as file:
-        return file.read(LARGEST_FILE + 1)
 
 
 def _makers_named(data: bytes) -> list[str]:
