@@ -52,6 +52,13 @@ def test_the_type_that_rclpy_asserts_is_told(tmp_path: Path, line: str, cause: s
     assert "rror" not in printed_by(path)
 
 
+def test_what_the_setter_of_a_message_asserts_is_told_of_the_message(tmp_path: Path) -> None:
+    path = written("from std_msgs.msg import String\n    qos = String()\n    qos.data = 5", tmp_path)
+    (told, *_) = of_text(printed_by(path), tmp_path)
+    assert told.code == "made-wrong"
+    assert "data holds a string" in told.cause
+
+
 @pytest.mark.parametrize(
     "line", ["qos = 'none'\n    assert isinstance(qos, QoSProfile)", "qos = QoSProfile(dept=5)"]
 )

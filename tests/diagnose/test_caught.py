@@ -66,6 +66,7 @@ def told(folder: Path, handled: str, then: str, *texts: str, **how: str) -> list
         ("ValueError", "raise SystemExit(1)", {}, False),
         ("ValueError", "rclpy.shutdown()", {}, False),
         ("Exception", PRINTS, {"end": "NameError: name 'sped' is not defined"}, False),
+        ("Exception", PRINTS, {"end": 'TypeError: can only concatenate str (not "int") to str'}, False),
         ("NameError", PRINTS, {"end": "NameError: name 'sped' is not defined"}, True),
     ],
 )  # fmt: skip

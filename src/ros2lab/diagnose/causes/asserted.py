@@ -26,11 +26,13 @@ def of_asserted(error: ErrorText, look: Look) -> Finding | None:
     if error.own[0] is report.frames[-1]:
         return None  # the student's own line asserts it
     asserts, sets = _ASSERTS.match(report.frames[-1].text.strip()), _SETS.search(report.frames[-2].text)
-    kind = asserts[1].removeprefix("QoS") if asserts else ""  # rclpy knows each policy by both names
+    if not asserts or not sets:
+        return None
+    kind = asserts[1].removeprefix("QoS")  # rclpy knows each policy by both names
     home = next((home for home in interfaces.homes_of(kind) if home.startswith("rclpy.")), "")
     spot = spot_at(place_of(error.own, look), look)
-    value = _given(spot, sets[1]) if sets else None
-    if not sets or not home or value is None or hasattr(builtins, kind):
+    value = _given(spot, sets[1])
+    if not home or value is None or hasattr(builtins, kind):
         return None
     text = ast.unparse(value)
     cause = f"{sets[1]} takes {with_article(kind)} of {home}, but `{text}` is none."

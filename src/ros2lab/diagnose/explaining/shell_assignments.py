@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from ros2lab.diagnose.sources.python_source import read_text
 # Before a command, `NAME= command` is right: it sets the variable to nothing for that command.
 _SPACED = re.compile(
     r"(?P<head>\s*(?P<tool>(?:export|declare|typeset|readonly|local|alias)(?: +-\w+)* +)?(?P<name>[A-Za-z_]\w*))"
-    r"(?: +=(?!=) *|(?(tool)= +|(?!)))(?P<value>[^\s=].*)"
+    r"(?: +=(?!=) *|(?(tool)= +|(?!)))(?P<value>[\"'][^\"']*[\"']|[^\s=#&;|<>\"'][^#&;|<>\"']*?)(?: +#.*)?"
 )
 _REFUSED = re.compile(
     r"(?:\S*sh: )?(?:(?P<file>[^\s:]+): (?:line )?(?P<line>\d+): )?"
@@ -29,7 +30,9 @@ def without_blanks(statement: str) -> tuple[str, str] | None:
         return None
     export = "export " if not spaced["tool"] and spaced["name"].isupper() else ""
     cause = f"In a shell, no blank stands before or after the = of an assignment, so `{statement.strip()}` does not give {spaced['name']} its value."
-    return f"{export}{spaced['head'].lstrip()}={spaced['value']}", cause
+    value = spaced["value"]
+    value = shlex.quote(value) if " " in value and value[0] not in "\"'" else value
+    return f"{export}{spaced['head'].lstrip()}={value}", cause
 
 
 def of_assignment(line: str, step: Step, look: Look) -> Finding | None:

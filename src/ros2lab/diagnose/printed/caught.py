@@ -25,7 +25,8 @@ _OF_PROGRAMS = frozenset(
     ("init", "spin", "spin_once", "spin_until_future_complete", "shutdown", "try_shutdown")
 )
 _ENDS = frozenset(("exit", "_exit", "quit", "shutdown", "try_shutdown"))
-_OF_NAMES = (NameError, AttributeError)  # which no message brings about
+# What a message, a file or a device may bring about; other errors are slips in the code, whoever catches them.
+_OF_INPUT = (ValueError, LookupError, ArithmeticError, OSError)
 
 
 def without_caught(text: str, look: Look) -> str:
@@ -72,6 +73,6 @@ def _takes(names: set[str], kind: str) -> bool:
     raised = getattr(sys.modules.get(module) if module else builtins, name, None)
     raised = raised if isinstance(raised, type) else None
     if not EVERY_ERROR.isdisjoint(names):
-        return raised is None or not issubclass(raised, _OF_NAMES)
+        return raised is None or issubclass(raised, _OF_INPUT)
     bases = {base.__name__ for base in raised.__mro__} if raised else {name}
     return not bases.isdisjoint(caught.rpartition(".")[2] for caught in names)
