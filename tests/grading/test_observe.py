@@ -78,12 +78,15 @@ _LOCKS = {
     "port": 'held = socket.create_server(("127.0.0.1", 4242))',
     "new_file": 'open("/tmp/robot.pid", "x")',
     "process_of_a_file": """
-try:
-    os.kill(int(open("/tmp/robot.pid").read()), 0)
-except OSError:
-    open("/tmp/robot.pid", "w").write(str(os.getpid()))
-else:
-    sys.exit("The robot is busy.")
+with open("/tmp/robot.new", "a") as turn:  # both begin at once
+    fcntl.flock(turn, fcntl.LOCK_EX)
+    try:
+        os.kill(int(open("/tmp/robot.pid").read()), 0)
+    except OSError:
+        with open("/tmp/robot.pid", "w") as file:
+            file.write(str(os.getpid()))
+    else:
+        sys.exit("The robot is busy.")
 """,
     "home": 'held = open(os.path.expanduser("~/robot"), "w"); fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)',
     "foreign_home": 'os.mkdir("/home/lock")',
