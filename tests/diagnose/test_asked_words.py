@@ -52,7 +52,7 @@ ADD = "self.events.add(msg.data)"
     ("heard", "step", "is_told", "story"),
     [
         (ADD, "if self.take('person'): self.tell()", False, "each of them with data = 'open'"),
-        ("try:\n            self.is_open = json.loads(msg.data)['open']\n        except (ValueError, TypeError, KeyError):\n            self.is_open = False", "if self.is_open: self.tell()", False, "published nothing there"),
+        pytest.param("try:\n            self.is_open = json.loads(msg.data)['open']\n        except (ValueError, TypeError, KeyError):\n            self.is_open = False", "if self.is_open: self.tell()", False, "published nothing there", marks=pytest.mark.thorough),
         (ADD, "self.is_open = self.take('person')", True, "published nothing there"),  # nothing calls tell()
     ],
 )  # fmt: skip
