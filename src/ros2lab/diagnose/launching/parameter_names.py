@@ -65,13 +65,28 @@ def set_back(started: Sequence[Started]) -> Iterator[Finding]:
         if last != {row.name: row for row in sorted(rows, key=lambda row: sections.index(row.section))}:
             continue
         for source in dict.fromkeys(row.source for row in rows if row.source):
-            own = {row.name: row for row in rows if row.source == source}
-            lost = [row for row in own.values() if last[row.name].source != source]
-            ends = [(row.value, last[row.name]) for row in lost]
-            is_replaced = all(not e.is_of_file and str(v).lower() != str(e.value).lower() for v, e in ends)
-            is_file = len(own) > 1 and users[source] == 1 and is_replaced
-            if len(lost) == len(own) and (is_file or not lost[0].is_of_file):
-                yield _lost(lost, [end for _, end in ends], node.launched)
+            own = [*{row.name: row for row in rows if row.source == source}.values()]
+            ends = [last[row.name] for row in own]
+            is_given_once = users[source] == 1 and len(own) > 1
+            if _is_lost(own, ends, is_given_once=is_given_once):
+                yield _lost(own, ends, node.launched)
+
+
+def _is_lost(given: Sequence[_Given], ends: Sequence[_Given], *, is_given_once: bool) -> bool:
+    """Return whether none of the values of a file or a launch argument counts, and certainly not on purpose.
+
+    Args:
+        given: the values.
+        ends: for each of them, the one that counts.
+        is_given_once: whether they are several, and no other node is given them.
+    """
+    if any(end.source == row.source for row, end in zip(given, ends, strict=True)):
+        return False
+    changed = (
+        not end.is_of_file and str(row.value).lower() != str(end.value).lower()
+        for row, end in zip(given, ends, strict=True)
+    )
+    return not given[0].is_of_file or (is_given_once and all(changed))
 
 
 def _lost(given: Sequence[_Given], last: Sequence[_Given], node: Launched) -> Finding:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 from ros2lab.diagnose.code.deadlocks import (
@@ -50,37 +50,80 @@ def waits_for_another(
     threads = threads_of(sources, source)
     if owner is None or threads - {_ONLY_GROUPS} or isinstance(functions[0], ast.AsyncFunctionDef):
         return
-    uses = uses_of(sources)
     for function in functions:
         for node in (n for n in own_nodes(function) if isinstance(n, (ast.While, ast.Call))):
-            waiter, lacks, free = "a loop", "", list[tuple[str, list[Function]]]()
-            if isinstance(node, ast.While):
-                if _only_waits(source, node):
-                    free = [*_polled(sources, source, owner, functions, node)]
-            elif last_name(node.func) not in _POLLS and _is_reached(functions, function, node):
-                waiter, (lacks, *free) = f"`{ast.unparse(node)}`", _blocked(sources, source, node)
+            lacks, free = _waited_for(sources, source, owner, functions, function=function, node=node)
             for name, setting in free:
-                # What no executor calls may be called by a library, in a thread of its own.
-                if not setting or not all(id(m) in uses.callbacks and m not in functions for m in setting):
-                    continue
-                first, own = setting[0], uses.callbacks.get(id(functions[0]), [])
-                others = [made for method in setting for made in uses.callbacks[id(method)]]
-                cause = f"In {what}, {waiter} waits for self.{name}, which only {first.name}() changes; but rclpy calls {first.name}() only after this one returns, so once it waits, it waits forever."
-                fix = where_set(name, first)
-                if threads:
-                    held = {
-                        (c.owner, node_of(c.call), group_of(sources, c.source, c.call))
-                        for c in (*own, *others)
-                    }
-                    if not own or len(held) > 1:
-                        continue
-                    cause = f"{cause[:-1]}: both are in one callback group, of which only one callback runs at a time, also with several threads."
-                    fix = (
-                        f"write `{in_own_group(own[0].call)}` on line {own[0].call.lineno}, {GROUP_IMPORTED}"
-                    )
-                elif lacks and function is functions[0] and {made.method for made in own} == {"create_timer"}:
-                    fix = f"write `if {lacks}: return` above line {node.lineno}"
-                yield Finding("callback-waits", cause, source.at(node), fix)
+                if told := _told(sources, functions, name, setting, is_grouped=bool(threads)):
+                    waiter = "a loop" if isinstance(node, ast.While) else f"`{ast.unparse(node)}`"
+                    why, fix = told
+                    if (
+                        lacks
+                        and not threads
+                        and function is functions[0]
+                        and _are_timers(sources, functions[0])
+                    ):
+                        fix = f"write `if {lacks}: return` above line {node.lineno}"
+                    cause = f"In {what}, {waiter} waits for self.{name}, which only {why}"
+                    yield Finding("callback-waits", cause, source.at(node), fix)
+
+
+def _waited_for(
+    sources: NodeSources,
+    source: PythonSource,
+    owner: NodeClass,
+    functions: list[Function],
+    *,
+    function: Function,
+    node: ast.While | ast.Call,
+) -> tuple[str, Sequence[tuple[str, list[Function]]]]:
+    """Return how to ask whether a call would wait, and what a loop or a call waits for, with the functions that give it."""
+    if isinstance(node, ast.While):
+        found = _polled(sources, source, owner, functions, node) if _only_waits(source, node) else ()
+        return "", [*found]
+    if last_name(node.func) in _POLLS or not _is_reached(functions, function, node):
+        return "", []
+    lacks, *free = _blocked(sources, source, node)
+    return lacks, free
+
+
+def _told(
+    sources: NodeSources,
+    functions: Sequence[Function],
+    name: str,
+    setting: list[Function],
+    *,
+    is_grouped: bool,
+) -> tuple[str, str] | None:
+    """Return why what gives an attribute is not called meanwhile, and a fix; None if it may be.
+
+    Args:
+        sources: the program's files.
+        functions: the callback that waits, and what it calls.
+        name: of the attribute.
+        setting: the functions that give it.
+        is_grouped: whether several threads run what is not in one callback group.
+    """
+    callbacks = uses_of(sources).callbacks
+    # What no executor calls may be called by a library, in a thread of its own.
+    if not setting or not all(id(m) in callbacks and m not in functions for m in setting):
+        return None
+    first, own = setting[0], callbacks.get(id(functions[0]), [])
+    why = f"{first.name}() changes; but rclpy calls {first.name}() only after this one returns, so once it waits, it waits forever"
+    if not is_grouped:
+        return f"{why}.", where_set(name, first)
+    made = [*own, *(one for method in setting for one in callbacks[id(method)])]
+    held = {(one.owner, node_of(one.call), group_of(sources, one.source, one.call)) for one in made}
+    if not own or len(held) > 1:
+        return None
+    why = f"{why}: both are in one callback group, of which only one callback runs at a time, also with several threads."
+    return why, f"write `{in_own_group(own[0].call)}` on line {own[0].call.lineno}, {GROUP_IMPORTED}"
+
+
+def _are_timers(sources: NodeSources, callback: Function) -> bool:
+    """Return whether only timers call a callback."""
+    made = uses_of(sources).callbacks.get(id(callback), [])
+    return {one.method for one in made} == {"create_timer"}
 
 
 def _polled(
@@ -122,18 +165,29 @@ def _blocked(sources: NodeSources, source: PythonSource, call: ast.Call) -> tupl
     is_waiting = last_name(call.func) == wait or (polled and f".{polled}(" in lacks)
     if not is_self_attribute(held) or not is_waiting or given not in _UNLIMITED or is_filled:
         return ("",)
-    setting = list[Function]()
+    setting = _giving(sources, held.attr, giving, {wait, polled, "clear", "task_done"} - {""})
+    return ("",) if setting is None else (lacks.format(ast.unparse(held)), (held.attr, setting))
+
+
+def _giving(
+    sources: NodeSources, attribute: str, giving: Collection[str], harmless: Collection[str]
+) -> list[Function] | None:
+    """Return the functions that call one of the `giving` methods of an attribute.
+
+    None if anything else is done with it than to store it, to enter it, or to call a harmless method.
+    """
+    found = list[Function]()
     for file in sources.sources.values():
-        for node in (n for n in file.nodes if isinstance(n, ast.Attribute) and n.attr == held.attr):
+        for node in (n for n in file.nodes if isinstance(n, ast.Attribute) and n.attr == attribute):
             outer, function = file.above(node), file.function_at(node.lineno)
-            is_asked = isinstance(outer, ast.Attribute) and file.is_called(outer)
-            if is_asked and last_name(outer) in giving and function:
-                setting.append(function)
-            elif not (isinstance(node.ctx, ast.Store) or isinstance(outer, ast.withitem)) and (
-                not is_asked or last_name(outer) not in (wait, polled, "clear", "task_done")
+            called = last_name(outer) if isinstance(outer, ast.Attribute) and file.is_called(outer) else ""
+            if called and called in giving and function:
+                found.append(function)
+            elif not (
+                isinstance(node.ctx, ast.Store) or isinstance(outer, ast.withitem) or called in harmless
             ):
-                return ("",)
-    return lacks.format(ast.unparse(held)), (held.attr, setting)
+                return None
+    return found
 
 
 def _only_waits(source: PythonSource, loop: ast.While) -> bool:
