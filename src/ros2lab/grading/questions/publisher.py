@@ -111,14 +111,19 @@ def comes_again(case: Case, part: Part) -> Answer:
     totals = [sum(heard.count for heard in player.heard) for player in players]
     most = max(totals)
     best = players[totals.index(most)]
-    level = "repeated" if most > 1 else "once" if most else "silent"
-    if level == "repeated" and best.only_answers and not is_timed:
-        level = "answered"
-    elif level == "repeated" and not any(_comes_by_itself(player) for player in everybody):
-        is_echo = _is_echo(everybody) and not _may_change(case, everybody)
-        level = "echoed" if is_echo or any(_is_at_random(case, player) for player in everybody) else "changed"
+    level = "once" if most else "silent"
+    if most > 1:
+        level = "answered" if best.only_answers and not is_timed else _repetition(case, everybody)
     keys = [key for key, _ in best.heard_at][:2]
     return Answer(level, {"topic": shown(best.topic)}, tuple(keys or [best.key]), shown(best.topic))
+
+
+def _repetition(case: Case, players: Sequence[Player]) -> str:
+    """Return how several messages came: again and again, at each change, or as an echo of whatever was said."""
+    if any(_comes_by_itself(player) for player in players):
+        return "repeated"
+    is_echo = _is_echo(players) and not _may_change(case, players)
+    return "echoed" if is_echo or any(_is_at_random(case, player) for player in players) else "changed"
 
 
 def _comes_by_itself(player: Player) -> bool:
