@@ -6,12 +6,13 @@ import contextlib
 import os
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 # Above the domains whose ports Linux hands out to other programs. From the last one down: tests of packages
 # that lease a domain in the same way begin at the first. Not the very last: a program may use the one above its own.
 DOMAINS = range(231, 214, -1)
-PATIENCE = 10.0  # s to wait for one, where all are leased
+TURN = "\0ros2lab-private-domains"  # the address that is taken by who leases several
+PATIENCE = 60.0  # s to wait for one, where all are leased: about as long as another check takes
 
 
 class NoDomainError(RuntimeError):
@@ -28,12 +29,30 @@ def leased(lease: socket.socket, patience: float | None = None) -> int:
     Raises:
         NoDomainError: if all of the domains that can be leased are leased for so long.
     """
-    end = time.monotonic() + (PATIENCE if patience is None else patience)
+    names = {f"\0ros2lab-private-domain-{domain}": domain for domain in DOMAINS}
+    return names[_bound(lease, names, PATIENCE if patience is None else patience)]
+
+
+@contextlib.contextmanager
+def in_turn() -> Iterator[None]:
+    """Let only one lease several domains at a time: two that have a half of them each would wait for each other.
+
+    Raises:
+        NoDomainError: if somebody else takes them for so long.
+    """
+    with socket.socket(socket.AF_UNIX) as turn:
+        _bound(turn, (TURN,), PATIENCE)
+        yield
+
+
+def _bound(lease: socket.socket, names: Iterable[str], patience: float) -> str:
+    """Bind a socket to the first of some names that is free, within so many seconds; return the name."""
+    end = time.monotonic() + patience
     while True:
-        for domain in DOMAINS:
+        for name in names:
             with contextlib.suppress(OSError):
-                lease.bind(f"\0ros2lab-private-domain-{domain}")
-                return domain
+                lease.bind(name)
+                return name
         if time.monotonic() >= end:
             raise NoDomainError(
                 f"All {len(DOMAINS)} ROS domains for checks on this machine are taken; wait for a running check to end, then try again."

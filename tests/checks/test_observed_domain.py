@@ -152,6 +152,21 @@ def test_a_domain_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
         assert domain_lease.leased(second) == 212
 
 
+def test_who_leases_several_domains_waits_for_another_to_have_all_of_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(domain_lease, "PATIENCE", 0.2)
+    monkeypatch.setattr(domain_lease, "TURN", "\0ros2lab-test-turn")
+    monkeypatch.setattr(domain_lease, "DOMAINS", (211,))
+    with domain_lease.in_turn():
+        with pytest.raises(domain_lease.NoDomainError), domain_lease.in_turn():
+            pass
+        with socket.socket(socket.AF_UNIX) as lease:  # one alone needs no turn
+            assert domain_lease.leased(lease) == 211
+    with domain_lease.in_turn():
+        pass
+
+
 def test_discovery_is_as_it_was_afterwards(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("ROS_AUTOMATIC_DISCOVERY_RANGE")
     with discovery("OFF"):

@@ -24,7 +24,7 @@ from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.nodes.topic_faults import ends_of
 from ros2lab.diagnose.packaging.installed import prefix_of
 from ros2lab.diagnose.printed.error_text import read_error
-from ros2lab.domain_lease import NoDomainError, leased
+from ros2lab.domain_lease import NoDomainError, in_turn, leased
 from ros2lab.grading.code.compared import MOST_WORDS, Contents
 from ros2lab.grading.evidence import GIVEN, Run
 from ros2lab.grading.sandbox.box import Box, Limits
@@ -142,9 +142,9 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
         contextlib.ExitStack() as leases,
     ):
         noting = _noting(programs, notes, look)
-        jobs = [_OwnJob(leases, [program]) for program in noting]
-        if len(programs) > 1:
-            jobs.append(_OwnJob(leases, noting, plan=_BRIEF))
+        with in_turn():
+            jobs = [_OwnJob(leases, [program]) for program in noting]
+            jobs += [_OwnJob(leases, noting, plan=_BRIEF)] if len(programs) > 1 else []
         contents = open_contents(look, assignment.commanded.topic if assignment.commanded else "")
         words, more = compared_words(look), _noting(programs, more_notes, look)
         plan = {"has_commands": False, "contents": contents, "settings": words}
