@@ -12,7 +12,9 @@ from collections.abc import Iterable, Iterator
 # that lease a domain in the same way begin at the first. Not the very last: a program may use the one above its own.
 DOMAINS = range(231, 214, -1)
 TURN = "\0ros2lab-private-domains"  # the address that is taken by who leases several
-PATIENCE = 60.0  # s to wait for one, where all are leased: about as long as another check takes
+PATIENCE = (
+    120.0  # s to wait for one, where all are leased: about as long as another check takes beside others
+)
 
 
 class NoDomainError(RuntimeError):

@@ -41,12 +41,14 @@ def with_reasons(
     be intended, but may also explain other findings.
     """
     unreached, runs = noted.unreached, (*seen.alone, *seen.together)
-    if any(how.get("killed") for run in runs for how in run.stopped.values()):
-        return [*found, *(noted.never if found else ())], [], [*read]  # it could not write its notes
+    deaf = untaken(seen, unreached.record)
+    if any(how.get("killed") for run in runs for how in run.stopped.values()):  # it could not write its notes
+        told = [one for one in found if one.code != "publishes-nothing" or deaf.isdisjoint(one.about)]
+        return [*told, *(noted.never if told else ())], [], [*read]
     working = [finding for finding in read if keeps_from_working(finding)]
     causes = {finding.place for finding in working}
     speaking = {run.programs[0] for run in seen.alone if seen.published(run)}
-    told, places = _of_silent(found, unreached, causes, speaking, untaken(seen, unreached.record))
+    told, places = _of_silent(found, unreached, causes, speaking, deaf)
     known = places | {finding.place for finding in read}
     reasons, explained = _notes(unreached), set_by([*working, *told], unreached.look)
 

@@ -141,15 +141,16 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
         scratch_folder() as longer_notes,
         contextlib.ExitStack() as leases,
     ):
-        noting = _noting(programs, notes, look)
+        noting, more = _noting(programs, notes, look), _noting(programs, more_notes, look)
+        contents = open_contents(look, assignment.commanded.topic if assignment.commanded else "")
+        words = compared_words(look)
+        plan = {"has_commands": False, "contents": contents, "settings": words}
         with in_turn():
             jobs = [_OwnJob(leases, [program]) for program in noting]
             jobs += [_OwnJob(leases, noting, plan=_BRIEF)] if len(programs) > 1 else []
-        contents = open_contents(look, assignment.commanded.topic if assignment.commanded else "")
-        words, more = compared_words(look), _noting(programs, more_notes, look)
-        plan = {"has_commands": False, "contents": contents, "settings": words}
-        setting = [] if words is None else _spare(leases, more, plan=plan)
-        jobs += (filled := _spare(leases, more, contents=contents) if contents else [])
+            setting = [] if words is None else _spare(leases, more, plan=plan, patience=None)
+            filled = _spare(leases, more, contents=contents, patience=None) if contents else []
+        jobs += filled
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch([*jobs, *setting])[: len(jobs)]
             before = Seen(look, assignment, runs[: len(programs)], [])
@@ -365,9 +366,11 @@ class _OwnJob(Job):
         return printed[max(begin, 0) :]
 
 
-def _spare(leases: contextlib.ExitStack, programs: Sequence[Program], **more: Any) -> list[_OwnJob]:
-    """Return a job that tells more of programs which are watched anyway; none if no domain is free for it."""
+def _spare(
+    leases: contextlib.ExitStack, programs: Sequence[Program], patience: float | None = 1.0, **more: Any
+) -> list[_OwnJob]:
+    """Return a job that tells more of programs which are watched anyway; none if no domain is free for it in time."""
     try:
-        return [_OwnJob(leases, programs, patience=1.0, **more)]
+        return [_OwnJob(leases, programs, patience=patience, **more)]
     except NoDomainError:
         return []
