@@ -10,7 +10,7 @@ from ros2lab.diagnose.code.bound_names import bound_in, global_names
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.joined_texts import VALUE, text_of
 from ros2lab.diagnose.sources.node_source import CREATORS, is_self_attribute
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, contains, given_to
+from ros2lab.diagnose.sources.python_source import Function, PythonSource, contains, given_to, walk
 from ros2lab.diagnose.sources.uses import is_log
 
 # Braces after `$`, `^` or a command of TeX belong to another language.
@@ -105,7 +105,7 @@ def _beginnings(name: str) -> set[str]:
 def _names(source: PythonSource, line: int) -> frozenset[str]:
     """Return the names that are known on a line, such as `count` and `self.count`."""
     own = source.class_at(line)
-    found = {f"self.{n.attr}" for n in ast.walk(own) if is_self_attribute(n)} if own else set()
+    found = {f"self.{n.attr}" for n in walk(own) if is_self_attribute(n)} if own else set()
     functions = [node for node in source.nodes if isinstance(node, Function) and contains(node, line)]
     for function in functions:
         found |= bound_in(function) | {n.arg for n in ast.walk(function.args) if isinstance(n, ast.arg)}

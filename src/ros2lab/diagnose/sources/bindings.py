@@ -39,7 +39,7 @@ def imports_in(
             home = f"{module}." if (module := absolute(node)) else ""
             pairs = [(a.asname or a.name, f"{home}{a.name}") for a in node.names]
             yield node, [Import(local, name, line, True, is_guarded) for local, name in pairs]
-        else:
+        elif not isinstance(node, ast.expr):
             # An import in a `try` or below a condition does not always happen.
             is_unsure = is_guarded or isinstance(node, (ast.Try, ast.If))
             yield from imports_in(node, absolute, is_guarded=is_unsure)

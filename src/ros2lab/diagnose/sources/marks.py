@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Sequence
 
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef)
 
 
-def mark(tree: ast.Module) -> None:
+def mark(nodes: Sequence[ast.AST]) -> None:
     """Set `is_function`, `is_wrapped` and `is_inner` on the nodes of a file."""
-    nodes = [*ast.walk(tree)]
     _mark_functions(nodes)
     _mark_wrapped(nodes)
     _mark_inner(nodes)
 
 
-def _mark_functions(nodes: list[ast.AST]) -> None:
+def _mark_functions(nodes: Sequence[ast.AST]) -> None:
     """Set `is_function` on each `name` and `self.name`: whether it is a function of the file."""
     functions = {node.name for node in nodes if isinstance(node, _FUNCTIONS) and not node.decorator_list}
     named = [node for node in nodes if isinstance(node, (ast.Name, ast.Attribute))]
@@ -27,7 +27,7 @@ def _mark_functions(nodes: list[ast.AST]) -> None:
         node.is_function = is_own and _last(node) in functions - bound  # type: ignore[union-attr]
 
 
-def _mark_wrapped(nodes: list[ast.AST]) -> None:
+def _mark_wrapped(nodes: Sequence[ast.AST]) -> None:
     """Set `is_wrapped` on functions of which a decorator, also of the class, or an assignment may make something else."""
     bound = [n for n in nodes if isinstance(n, (ast.Name, ast.Attribute)) and isinstance(n.ctx, ast.Store)]
     names = {node.id for node in bound if isinstance(node, ast.Name)}
@@ -47,7 +47,7 @@ def _last(node: ast.Name | ast.Attribute) -> str:
     return node.id if isinstance(node, ast.Name) else node.attr
 
 
-def _mark_inner(nodes: list[ast.AST]) -> None:
+def _mark_inner(nodes: Sequence[ast.AST]) -> None:
     """Set `is_inner` on what lies in a class inside another one, or in a function with its own `self` inside a method.
 
     The `self` there is not that of a class at the top level of the file.

@@ -16,6 +16,7 @@ from typing import TypeGuard, TypeVar
 from ros2lab.diagnose.finding import at
 from ros2lab.diagnose.sources.bindings import Import, bound_by, imports_in
 from ros2lab.diagnose.sources.file_texts import bytes_of, decoded
+from ros2lab.diagnose.sources.kept import kept
 from ros2lab.diagnose.sources.marks import mark
 from ros2lab.diagnose.sources.static_value import bound, dotted
 
@@ -61,8 +62,8 @@ class PythonSource:
                     return ast.Module([], [])
                 compile(tree, self.shown, "exec", dont_inherit=True)  # not run; it gives more warnings
             self.warned = [(warning.lineno, str(warning.message)) for warning in warned]
-            bound(tree)
-            mark(tree)
+            bound(walk(tree))
+            mark(walk(tree))
             return tree
         except SyntaxError as error:
             self.fault = error
@@ -91,7 +92,7 @@ class PythonSource:
     @cached_property
     def nodes(self) -> tuple[ast.AST, ...]:
         """All syntax nodes of the file."""
-        return tuple(walk(self.tree))
+        return walk(self.tree)
 
     def around(self, line: int, kind: type[_Kind]) -> list[_Kind]:
         """Return the statements of a kind that contain a line, the outermost first."""
@@ -182,8 +183,7 @@ class PythonSource:
         lines = self.lines[node.lineno - 1 : last]
         if not lines:
             return ast.unparse(node)
-        after = len(lines[-1]) - (node.end_col_offset or 0)
-        whole = b"".join(lines)
+        whole, after = b"".join(lines), len(lines[-1]) - (node.end_col_offset or 0)
         return whole[node.col_offset : len(whole) - after].decode(errors="replace")
 
     @cached_property
@@ -381,38 +381,38 @@ def parameters(function: Function | ast.Lambda) -> list[ast.arg]:
     return [*function.args.posonlyargs, *function.args.args]
 
 
+@kept
 def children(node: ast.AST) -> tuple[ast.AST, ...]:
-    """Return the children of a node; they are cached, because rules ask often and trees never change."""
-    found: tuple[ast.AST, ...] | None = node.__dict__.get("_children")
-    if found is None:
-        found = node.__dict__["_children"] = tuple(ast.iter_child_nodes(node))
-    return found
+    """Return the children of a node."""
+    return tuple(ast.iter_child_nodes(node))
 
 
-def walk(node: ast.AST) -> Iterator[ast.AST]:
-    """Yield a node and all its descendants, level by level, as `ast.walk` does."""
-    level: list[ast.AST] = [node]
-    while level:
-        yield from level
-        level = [child for parent in level for child in children(parent)]
+@kept
+def _below(node: ast.AST) -> tuple[ast.AST, ...]:
+    found = [*children(node)]
+    for inner in found:
+        found += children(inner)
+    return tuple(found)
 
 
+def walk(node: ast.AST) -> tuple[ast.AST, ...]:
+    """Return a node and all its descendants, level by level, as `ast.walk` does."""
+    return (node, *_below(node))
+
+
+@kept
 def own_nodes(function: ast.AST) -> tuple[ast.AST, ...]:
     """Return the syntax nodes of a function; of functions and classes inside it only what is evaluated there."""
-    found: tuple[ast.AST, ...] | None = function.__dict__.get("_own_nodes")
-    if found is None:
-        found = function.__dict__["_own_nodes"] = tuple(_own_nodes(function))
-    return found
+    return tuple(_own_nodes(function))
 
 
+@kept
 def _bound(scope: ast.AST) -> Mapping[str, list[ast.AST]]:
     """Return the names that a scope binds itself, each with the nodes that bind it."""
-    found: dict[str, list[ast.AST]] | None = scope.__dict__.get("_bound")
-    if found is None:
-        found = scope.__dict__["_bound"] = {}
-        for node in own_nodes(scope):
-            for name in bound_by(node):
-                found.setdefault(name, []).append(node)
+    found: dict[str, list[ast.AST]] = {}
+    for node in own_nodes(scope):
+        for name in bound_by(node):
+            found.setdefault(name, []).append(node)
     return found
 
 

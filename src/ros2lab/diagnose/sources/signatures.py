@@ -19,6 +19,7 @@ from ros2lab.diagnose.sources.python_source import (
     PythonSource,
     parameters,
     read_source,
+    walk,
 )
 from ros2lab.diagnose.sources.static_value import bound
 from ros2lab.diagnose.sources.syntax_parts import all_parameters, defaults_of
@@ -272,6 +273,6 @@ class LibrarySource(PythonSource):
         with warnings.catch_warnings(), contextlib.suppress(SyntaxError, ValueError, RecursionError):
             warnings.simplefilter("ignore")
             tree = self.parsed()
-            bound(tree)
+            bound(walk(tree))
             return tree
         return ast.Module([], [])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
 
 Calls = Mapping[str, Callable[..., Any]]
@@ -78,13 +78,13 @@ def expression(text: str) -> ast.expr | None:
         tree = ast.parse(text.strip(), mode="eval")
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
-    bound(tree)
+    bound(ast.walk(tree))
     return tree.body
 
 
-def bound(tree: ast.AST) -> None:
-    """Limit all integers in a tree to `LARGEST`."""
-    for node in ast.walk(tree):
+def bound(nodes: Iterable[ast.AST]) -> None:
+    """Limit all integers among some nodes to `LARGEST`."""
+    for node in nodes:
         if isinstance(node, ast.Constant):
             node.value = bounded(node.value)
 
