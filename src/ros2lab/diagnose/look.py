@@ -195,7 +195,7 @@ class Look:
             name
             for node in started
             if node.package is package
-            for name, (source, _) in node.sources.node_names().items()
+            for name, (source, _) in node.sources.node_names.items()
             if source.name == node.module and (node.name != name or node.namespace)
         }
         given = {pair for file in self.launch_files for node in file.nodes for pair in node.files}

@@ -146,7 +146,7 @@ def _undeclared(use: _Use) -> Finding:
         written = f"`if not {use.node}.has_parameter({text}):`"
     more = "; replace the dots with its default value" if "...)" in written + where else ""
     close, fix = nearest(name, declared, 0.5), f"write {written} {where}{more}"
-    if asked := of_another_node(name, declared, use.sources.node_names()):
+    if asked := of_another_node(name, declared, use.sources.node_names):
         (there, fix), close = asked, None
     fix = f"write {close!r} if that is meant; else {fix}" if close and not comes else fix
     cause = f"The parameter {name!r} is read and never declared.{comes}{there}"

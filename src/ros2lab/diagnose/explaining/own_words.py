@@ -100,7 +100,7 @@ def _logged(line: str, look: Look) -> Iterator[tuple[str, str]]:
     if match is None:
         return
     for sources in map(look.sources, look.packages):
-        names = sources.node_names()
+        names = sources.node_names
         if "" not in names and names.keys().isdisjoint(match["logger"].split(".")):
             continue
         for source in sources.sources.values():

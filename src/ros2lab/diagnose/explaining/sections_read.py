@@ -70,8 +70,8 @@ def _run(package: str, program: str, rest: list[str], logged: set[str], look: Lo
     if home is None or not files:
         return
     sources = look.sources(home)
-    here = [name for name, (source, _) in sources.node_names().items() if source.name == module and name]
-    whole = sources.full_names().get(here[0], "") if len(here) == 1 else ""
+    here = [name for name, (source, _) in sources.node_names.items() if source.name == module and name]
+    whole = sources.full_names.get(here[0], "") if len(here) == 1 else ""
     space, _, name = whole.rpartition("/")
     name, space = given.get("__node", name), given.get("__ns", space).rstrip("/")
     if len(logged) == 1 or name:

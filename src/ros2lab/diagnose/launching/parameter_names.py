@@ -197,7 +197,7 @@ def _homes(packages: Packages, launch_files: Sequence[LaunchFile]) -> Mapping[st
     found: dict[str, list[_Home]] = {}
     for _, sources in packages.values():
         for module, source in sources.sources.items():
-            for name in NodeSources({module: source}).node_names():
+            for name in NodeSources({module: source}).node_names:
                 found.setdefault(name, []).append((sources, module))
     for node in (node for file in launch_files for node in started_in(file, packages)):
         found.setdefault(node.name, []).append((node.sources, node.module))

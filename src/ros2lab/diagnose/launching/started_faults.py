@@ -51,7 +51,7 @@ class Started:
     @property
     def own_names(self) -> list[str]:
         """The names that its file gives to nodes."""
-        named = self.sources.node_names().items()
+        named = self.sources.node_names.items()
         return [name for name, (source, _) in named if source.name == self.module]
 
     @property
@@ -68,7 +68,7 @@ class Started:
     @cached_property
     def runs_as(self) -> str:
         """Its full name, with the namespace from the code if launch gives none; empty if unknown."""
-        names = [n for n in self.sources.full_names().values() if n.rpartition("/")[2] in self.own_names]
+        names = [n for n in self.sources.full_names.values() if n.rpartition("/")[2] in self.own_names]
         of_code = names[0].rpartition("/")[0] if len(names) == 1 else ""
         return f"{self.namespace or of_code}/{self.name}" if self.name else ""
 

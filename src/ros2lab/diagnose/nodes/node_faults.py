@@ -55,7 +55,7 @@ def node_faults(sources: NodeSources) -> Iterator[Finding]:
     for owner in sources.nodes:
         yield from _constructor_faults(sources, owner)
         yield from _member_faults(sources, owner)
-    for name, (source, node) in sources.node_names().items():
+    for name, (source, node) in sources.node_names.items():
         if name and not _NODE_NAME.fullmatch(name):
             cause = f"{name!r} is not a valid node name: it may contain only letters, digits and _, and must not begin with a digit."
             fix = f"write {re.sub(r'[^A-Za-z0-9_]', '_', name).lstrip('0123456789') or 'a_name'!r}"

@@ -145,8 +145,8 @@ def file_faults(
         others: names that launch files give nodes of other packages.
         given: the files that launch files give nodes, as (package, path below its folder).
     """
-    names = {*sources.node_names(), *launched}
-    full = {name: whole for name, whole in sources.full_names().items() if name not in {*launched, *moved}}
+    names = {*sources.node_names, *launched}
+    full = {name: whole for name, whole in sources.full_names.items() if name not in {*launched, *moved}}
     declared = declared_in(sources)
     for path in package.parameter_files:
         inner = path.relative_to(package.folder).as_posix()
@@ -282,7 +282,7 @@ def _other_nodes(
 
 def _takers(sources: NodeSources, section: Mapping[Any, Any]) -> list[str]:
     """Return the nodes whose files declare every parameter of a section."""
-    homes = {name: source for name, (source, _) in sources.node_names().items() if name and section}
+    homes = {name: source for name, (source, _) in sources.node_names.items() if name and section}
     declared = {name: declared_in(sources, sources.together(home.name)) for name, home in homes.items()}
     return [name for name, found in sorted(declared.items()) if (found or {}).keys() >= section.keys()]
 

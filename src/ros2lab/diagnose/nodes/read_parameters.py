@@ -27,7 +27,7 @@ def parameter_faults(sources: NodeSources) -> Iterator[Finding]:
     for source in sources.sources.values():
         if "undeclared_parameters" in source.text or "automatically_declare" in source.text:
             return
-    nodes = sources.node_names()
+    nodes = sources.node_names
     for source in sources.sources.values():
         if sources.hands_itself_on(source):
             continue

@@ -427,7 +427,7 @@ def _defined(body: Sequence[ast.stmt]) -> Iterator[ast.FunctionDef | ast.ClassDe
 
 
 def _may_be(named: PythonSource, other: PythonSource, executable: str) -> bool:
-    return named.is_package or executable in NodeSources({other.name: other}).node_names()
+    return named.is_package or executable in NodeSources({other.name: other}).node_names
 
 
 def _indented(source: PythonSource, name: str) -> tuple[str, int] | None:

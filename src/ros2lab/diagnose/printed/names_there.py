@@ -20,7 +20,7 @@ def all_service_ends(look: Look) -> list[ServiceEnd]:
 
 def node_names(look: Look) -> list[str]:
     """Return the names of the nodes of all packages, with a slash before each."""
-    return [f"/{name}" for package in look.packages for name in look.sources(package).node_names() if name]
+    return [f"/{name}" for package in look.packages for name in look.sources(package).node_names if name]
 
 
 def declared_parameters(look: Look) -> dict[str, object]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeGuard
@@ -24,12 +24,8 @@ from ros2lab.diagnose.sources.python_source import (
 )
 from ros2lab.diagnose.sources.syntax_parts import by_parameter, is_property
 
-NODE_CLASSES = frozenset(
-    (
-        "rclpy.node.Node",
-        *(f"rclpy.lifecycle.{name}" for name in ("Node", "LifecycleNode", "node.LifecycleNode")),
-    )
-)
+_MANAGED = (f"rclpy.lifecycle.{name}" for name in ("Node", "LifecycleNode", "node.LifecycleNode"))
+NODE_CLASSES = frozenset(("rclpy.node.Node", *_MANAGED))
 # The methods with which a node creates something, with their parameters in order.
 CREATORS: Mapping[str, tuple[str, ...]] = {
     "create_publisher": ("msg_type", "topic", "qos_profile"),
@@ -300,8 +296,8 @@ class NodeSources:
         """Return the full name, without the first slash, of a creation's node; empty if not known."""
         owners = self.lineage(creation.owner)[0] if creation.owner else [None]
         files = {node_class.source if node_class else creation.source for node_class in owners}
-        made = [(source, call) for source, owner, call in self._made_nodes(files) if owner in owners]
-        names = {self._whole_name(source, call) for source, call in made}
+        made = (entry for entry in self._made_nodes if entry[0] in files and entry[1] in owners)
+        names = {self._whole_name(source, call) for source, _, call in made}
         return names.pop() if len(names) == 1 else ""
 
     def _whole_name(self, source: PythonSource, call: ast.Call) -> str:
@@ -389,11 +385,12 @@ class NodeSources:
                     return True
         return False
 
-    def node_names(self) -> dict[str, tuple[PythonSource, ast.expr]]:
-        """Return the names of the nodes, each with its file and expression; "" stands for an unknown name."""
+    @cached_property
+    def node_names(self) -> Mapping[str, tuple[PythonSource, ast.expr]]:
+        """The names of the nodes, each with its file and expression; "" stands for an unknown name."""
         found: dict[str, tuple[PythonSource, ast.expr]] = {}
         unnamed = {id(node_class) for node_class in self.classes.values() if self._might_be_node(node_class)}
-        for source, owner, call in self._made_nodes(self.sources.values()):
+        for source, owner, call in self._made_nodes:
             unnamed.discard(id(owner))
             given = argument(call, 0, "node_name")
             name = self.value(source, given)
@@ -406,10 +403,11 @@ class NodeSources:
             found[""] = next(iter(found.values()), (next(iter(self.sources.values())), ast.Constant("")))
         return found
 
-    def full_names(self) -> dict[str, str]:
-        """Return the known full names of nodes, such as `/hall/guide`, by their last parts."""
+    @cached_property
+    def full_names(self) -> Mapping[str, str]:
+        """The known full names of nodes, such as `/hall/guide`, by their last parts."""
         found: dict[str, set[str]] = {}
-        for source, _, call in self._made_nodes(self.sources.values()):
+        for source, _, call in self._made_nodes:
             whole = self._whole_name(source, call)
             found.setdefault(whole.rpartition("/")[2], set()).add(f"/{whole}")
         return {name: full.pop() for name, full in found.items() if name and len(full) == 1}
@@ -421,14 +419,15 @@ class NodeSources:
         )
         return any(name.endswith("Node") for name in names) and not has_name
 
-    def _made_nodes(
-        self, files: Iterable[PythonSource]
-    ) -> Iterator[tuple[PythonSource, NodeClass | None, ast.Call]]:
-        """Yield the calls of some files that make a node, each with its file and the class around it."""
-        for source in files:
-            for owner, function, node in self.scoped(source):
-                if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node):
-                    yield source, owner, node
+    @cached_property
+    def _made_nodes(self) -> list[tuple[PythonSource, NodeClass | None, ast.Call]]:
+        """The calls that make a node, each with its file and the class around it."""
+        return [
+            (source, owner, node)
+            for source in self.sources.values()
+            for owner, function, node in self.scoped(source)
+            if isinstance(node, ast.Call) and self.makes_node(source, owner, function, node)
+        ]
 
     def is_node(self, name: str | None) -> bool:
         """Return whether what has a full name makes a node when it is called."""

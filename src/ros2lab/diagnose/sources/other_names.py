@@ -34,7 +34,7 @@ def by_another_name(package: SourcePackage, word: str) -> list[EntryPoint]:
     for point in points:
         source = package.sources.get(point.module)
         classes = source.classes if source else ()
-        nodes = NodeSources({point.module: source}).node_names() if source else {}
+        nodes = NodeSources({point.module: source}).node_names if source else {}
         if word in (point.function, *classes, *nodes):
             inner.append(point)
     return inner if len(inner) == 1 else []

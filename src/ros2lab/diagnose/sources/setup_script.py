@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from configparser import RawConfigParser
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
-from functools import partial
+from functools import cached_property, partial
 from pathlib import Path, PurePosixPath
 from typing import Any
 
@@ -79,7 +79,7 @@ class SetupScript:
             return None
         return value
 
-    @property
+    @cached_property
     def entry_points(self) -> list[EntryPoint] | None:
         """The console scripts; None if not known."""
         groups = self.groups
