@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import ast
-import importlib
 import inspect
 import re
-import sys
 from collections.abc import Iterator
 from functools import lru_cache
 
@@ -135,16 +133,20 @@ def _refused(
     return Finding("argument-unknown", cause, source.at(keyword), fix)
 
 
+# To import setuptools takes longer than to check a workspace.
+_OF_SETUPTOOLS = dict.fromkeys(
+    ("setuptools.find_packages", "setuptools.find_namespace_packages"),
+    frozenset(("where", "exclude", "include")),
+)
+
+
 @lru_cache(maxsize=64)
 def _taken(name: str) -> frozenset[str] | None:
     """Return the names of the arguments of a function; None if it takes any, or if it is not known."""
     module, _, function = name.rpartition(".")
-    if module == "setuptools":
-        home = importlib.import_module(module)
-    elif module in sys.stdlib_module_names:
-        home = interfaces.own_module(module)  # type: ignore[assignment]
-    else:
-        return None
+    home = interfaces.own_module(module)
+    if home is None:
+        return _OF_SETUPTOOLS.get(name)
     try:
         parameters = inspect.signature(getattr(home, function)).parameters.values()
     except (AttributeError, TypeError, ValueError):

@@ -96,7 +96,8 @@ def is_installed(module: str) -> bool:
 
 def is_library(module: str) -> bool:
     """Return whether a top-level module was installed as a distribution of Python that is no package of ROS."""
-    names = metadata.packages_distributions().get(module, ())
+    # To ask which distributions there are, and what each brings, takes as long as a workspace.
+    names = metadata.packages_distributions().get(module, ()) if is_installed(module) else ()
     homes = (Path(str(metadata.distribution(name).locate_file(""))) for name in names)
     prefixes = [prefix for home in homes for prefix in home.parents[2:4]]
     return bool(prefixes) and not any((prefix / INDEX / module).is_file() for prefix in prefixes)
@@ -117,7 +118,7 @@ def _is_in_portable_launch(name: str) -> bool:
         folder.parent for folder in (folder_of(name.partition(".")[0]), folder_of("portable_ros2")) if folder
     ]
     has_paths = len(homes) == 2 and homes[0] == homes[1] and (homes[0] / "launch" / "paths.py").is_file()
-    return has_paths and is_installed(name)
+    return has_paths and name.rpartition(".")[2].islower() and is_installed(name)
 
 
 def _place_of(module: str) -> Path | None:
@@ -334,14 +335,15 @@ def homes_of(name: str) -> tuple[str, ...]:
     )
 
 
-def launch_homes_of(name: str) -> list[str]:
+@lru_cache(maxsize=256)
+def launch_homes_of(name: str) -> Sequence[str]:
     """Return the modules from which launch files import a class or a function."""
     pattern = re.compile(rf"^(?:(?:class|def) {name}\b|{name} = )", re.MULTILINE)
-    return [
+    return tuple(
         module
         for module in LAUNCH_MODULES
         if any(pattern.search(read_text(file)) for file in _files_of(module))
-    ]
+    )
 
 
 def homes_for(name: str, imported: Iterable[str]) -> Sequence[str]:
