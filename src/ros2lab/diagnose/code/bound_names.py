@@ -63,17 +63,18 @@ def _unevaluated(source: PythonSource) -> Iterator[ast.AST]:
 
 def _unbound(parent: ast.AST, known: frozenset[str], of_class: frozenset[str]) -> Iterator[ast.Name]:
     """Yield the names below a node that are neither known nor bound by the class body that they are directly in."""
-    known = known.union(parameter.name for parameter in getattr(parent, "type_params", ()))
+    if named := getattr(parent, "type_params", ()):
+        known = known.union(parameter.name for parameter in named)
     for field, value in ast.iter_fields(parent):
+        visible, direct = known, of_class
         # Decorators, defaults and annotations are evaluated in the scope around the function.
-        is_inner = field == "body" and isinstance(parent, _SCOPES)
-        own = frozenset(bound_in(parent)) if is_inner else frozenset()
-        is_class = is_inner and isinstance(parent, ast.ClassDef)
-        visible = known if is_class else known | own | ({"__class__"} if is_inner else frozenset())
-        direct = own if is_class else frozenset() if is_inner else of_class
+        if field == "body" and isinstance(parent, _SCOPES):
+            own = frozenset(bound_in(parent))
+            is_class = isinstance(parent, ast.ClassDef)
+            visible, direct = (known, own) if is_class else (known | own | {"__class__"}, frozenset())
         for node in value if isinstance(value, list) else [value]:
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load):
-                if node.id not in visible | direct:
+                if node.id not in visible and node.id not in direct:
                     yield node
             elif isinstance(node, ast.AST):
                 yield from _unbound(node, visible, direct)

@@ -273,11 +273,12 @@ def _result_lost(
     """Yield calls of functions that only compute something, where the return value is not used."""
     if not isinstance(value, ast.Call):
         return
-    text, called = ast.unparse(value), value.func
+    called = value.func
     function = called_function(uses.sources, source, owner, called)
     is_other = is_self_attribute(called) and _is_overridden(uses, called.attr)
     if function is None or is_other or not _only_computes(function):
         return
+    text = ast.unparse(value)
     given = [ast.unparse(argument) for argument in value.args if dotted(argument) in source.stored]
     target = given[0] if len(given) == 1 == len(value.args) else ""
     cause = f"`{text}` returns a new value and changes nothing, and the return value is not used."

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.spin_loops import is_endless
@@ -116,9 +117,10 @@ def rate_faults(sources: NodeSources) -> Iterator[Finding]:
             for inner in walk(loop)
         }
         for name, made in source.made:
+            if getattr(made.func, "attr", "") != "create_rate":
+                continue
             sleeps = [n for n in source.calls if ast.unparse(n.func) == f"{name}.sleep"]
-            is_rate = getattr(made.func, "attr", "") == "create_rate"
-            if is_rate and any(id(sleep) not in spinning for sleep in sleeps):
+            if any(id(sleep) not in spinning for sleep in sleeps):
                 cause = "A rate can wake up only while the node is being spun, and nothing spins it during the sleep, so it hangs."
                 fix = "use create_timer instead, or spin the node in a separate thread"
                 yield Finding("rate-without-thread", cause, source.at(made), fix)
@@ -164,6 +166,7 @@ def uses_threads(sources: NodeSources, source: PythonSource) -> bool:
     return bool(threads_of(sources, source))
 
 
+@lru_cache(maxsize=64)
 def threads_of(sources: NodeSources, source: PythonSource) -> frozenset[str]:
     """Return the names of what calls something in several threads, in a file or what runs together with it."""
     nodes = (node for name in sources.together(source.name) for node in sources.sources[name].nodes)

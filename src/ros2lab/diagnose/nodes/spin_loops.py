@@ -20,9 +20,10 @@ _SHORT_REST = 0.2  # s; after a shorter sleep a node still keeps up with its tim
 def _turning(entrance: Entrance) -> Iterator[tuple[ast.While, Call]]:
     """Yield the endless loops that spin once in each round, with the first call that does."""
     turns = {id(turn.call): turn for turn in entrance.calls if turn.short == "spin_once"}
-    for loop in (node for function in entrance.functions for node in own_nodes(function)):
+    nodes = (node for function in entrance.functions for node in own_nodes(function))
+    for loop in (node for node in nodes if isinstance(node, ast.While)):
         inside = [turns[id(node)] for node in walk(loop) if id(node) in turns]
-        if isinstance(loop, ast.While) and inside and is_endless(loop, inside[0].source):
+        if inside and is_endless(loop, inside[0].source):
             yield loop, inside[0]
 
 
