@@ -7,7 +7,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.nodes.endless_loops import uses_threads
+from ros2lab.diagnose.nodes.endless_loops import threads_of
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import own_calls
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, last_name, own_nodes, walk
@@ -27,7 +27,7 @@ def asked_early(
     calls = (node for function in functions for node in walk(function) if isinstance(node, ast.Call))
     if isinstance(functions[0], ast.AsyncFunctionDef) or any(map(_lets_others_run, calls)):
         return
-    if uses_threads(sources, source):
+    if threads_of(sources, source):
         return
     for function in functions:
         for node in own_nodes(function):

@@ -35,7 +35,7 @@ def endless_loops(
     sources: NodeSources, source: PythonSource, owner: NodeClass | None, functions: list[Function], what: str
 ) -> Iterator[Finding]:
     """Yield endless loops in a callback or constructor, the first of `functions`, or in methods it calls."""
-    if uses_threads(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
+    if threads_of(sources, source) or isinstance(functions[0], ast.AsyncFunctionDef):
         return
     has_others = has_others_than(sources, owner, functions[0])
     is_late = what == "the constructor" and spins_on(sources, source)
@@ -108,7 +108,7 @@ def rate_faults(sources: NodeSources) -> Iterator[Finding]:
     """Yield rates whose sleep nothing ends: a sleep in a program without threads, in no loop that spins."""
     for source in sources.sources.values():
         is_ros = "rclpy" in {imported.target.partition(".")[0] for imported in source.imports}
-        if not is_ros or any(uses_threads(sources, file) for file in sources.sources.values()):
+        if not is_ros or any(threads_of(sources, file) for file in sources.sources.values()):
             continue
         spinning = {
             id(inner)
@@ -159,11 +159,6 @@ def spins_on(sources: NodeSources, source: PythonSource) -> bool:
     """Return whether a file, or what runs together with it, spins until something ends it."""
     names = sources.together(source.name)
     return any(getattr(node, "attr", "") == "spin" for name in names for node in sources.sources[name].nodes)
-
-
-def uses_threads(sources: NodeSources, source: PythonSource) -> bool:
-    """Return whether a file, or what runs together with it, calls something in several threads."""
-    return bool(threads_of(sources, source))
 
 
 @lru_cache(maxsize=64)

@@ -14,7 +14,7 @@ from ros2lab.diagnose.nodes.endless_loops import (
     has_others_than,
     rate_faults,
     spins_on,
-    uses_threads,
+    threads_of,
 )
 from ros2lab.diagnose.nodes.entrance_faults import entrance_faults
 from ros2lab.diagnose.nodes.executors import several_threads, two_executors
@@ -161,7 +161,7 @@ def _needs_asyncio(
     """Yield uses of asyncio in a callback, which rclpy runs without an asyncio event loop."""
     starts = re.compile(r"asyncio\.run|run_until_complete|run_forever|event_loop")
     texts = (sources.sources[name].text for name in sources.together(source.name))
-    if any(map(starts.search, texts)) or uses_threads(sources, source):
+    if any(map(starts.search, texts)) or threads_of(sources, source):
         return
     for function in functions:
         for node in own_nodes(function):
@@ -394,7 +394,7 @@ def _waits(
         made for made, function in sources.callbacks() if function is functions[0] and made.method == _ASKED
     ]
     # Where there is no other callback, a service may take its time, and a loop may be all that the node does.
-    is_free = what == "the constructor" or uses_threads(sources, source) or (is_alone and bool(asked))
+    is_free = what == "the constructor" or threads_of(sources, source) or (is_alone and bool(asked))
     for function in functions:
         repeated = in_loops(function) if is_alone else set()
         calls = [

@@ -16,6 +16,7 @@ from collections.abc import Collection, Iterator
 
 from ros2lab.diagnose.sources.construction import looks_up
 from ros2lab.diagnose.sources.interfaces import node_members
+from ros2lab.diagnose.sources.kept import kept
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, children, walk
 from ros2lab.grading.code.paths import Paths
 
@@ -144,13 +145,11 @@ def _pieces(paths: Paths, source: PythonSource, piece: ast.AST) -> Iterator[ast.
                     waiting.append(inner)
 
 
+@kept
 def _whole(node: ast.AST) -> tuple[ast.AST, ...]:
     """Return the nodes of an expression that is evaluated as a whole, or not at all; none if parts of it may be left out."""
-    found: tuple[ast.AST, ...] | None = node.__dict__.get("_whole")
-    if found is None:
-        parts = [_whole(child) for child in reversed(children(node))] if isinstance(node, _WHOLE) else [()]
-        found = node.__dict__["_whole"] = (node, *itertools.chain(*parts)) if all(parts) else ()
-    return found
+    parts = [_whole(child) for child in reversed(children(node))] if isinstance(node, _WHOLE) else [()]
+    return (node, *itertools.chain(*parts)) if all(parts) else ()
 
 
 def _called_by_others(
