@@ -26,6 +26,7 @@ def type_checker_says(folder: Path, options: Sequence[str]) -> str:
     places = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     checker = shutil.which("ty", path=places)
     environ = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    environ["TY_MAX_PARALLELISM"] = "1"  # of a workspace, further threads take more than they save
     command = [checker or "", "check", "--output-format", "concise", "--exit-zero", *options]
     with contextlib.suppress(OSError, subprocess.SubprocessError):
         (folder / "ty.toml").touch()  # it names modules from its own folder on
