@@ -16,10 +16,18 @@ from ros2lab.diagnose.nodes.parameter_faults import declared_in
 from ros2lab.diagnose.nodes.read_parameters import default_by_use, of_another_node
 from ros2lab.diagnose.printed.error_text import ErrorText
 from ros2lab.diagnose.printed.spots import Spot, place_of, spot_at
+from ros2lab.diagnose.sources.bindings import bindings
 from ros2lab.diagnose.sources.interfaces import node_members
-from ros2lab.diagnose.sources.literals import argument_of, bound_to, calls_of, first_texts, names_given
+from ros2lab.diagnose.sources.literals import Literals, Names, argument_of, first_texts, looped
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources
-from ros2lab.diagnose.sources.python_source import Function, PythonSource, given_to, parameters, read_text
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    given_to,
+    own_nodes,
+    parameters,
+    read_text,
+)
 from ros2lab.diagnose.sources.spelling import nearest
 from ros2lab.diagnose.sources.syntax_parts import removal
 
@@ -61,14 +69,19 @@ class _Use:
     def is_in_callback(self) -> bool:
         """Whether its function is a callback, or is called by one."""
         callbacks = [function for _, function in self.sources.callbacks()]
-        around = [self.function, *(function for _, function, _ in self.calls)]
+        around = [self.function, *(source.function_at(call.lineno) for source, call in self.calls)]
         return any(caller is function for caller in around if caller is not None for function in callbacks)
 
     @property
-    def calls(self) -> list[tuple[PythonSource, Function | None, ast.Call]]:
+    def calls(self) -> list[tuple[PythonSource, ast.Call]]:
         """The calls of its function; empty for a constructor."""
-        is_called = self.function is not None and self.function.name != "__init__"
-        return [*calls_of(self.sources, self.function)] if self.function and is_called else []
+        name = self.function.name if self.function else "__init__"
+        return [*Literals(self.sources).calls(name)] if name != "__init__" else []
+
+    @property
+    def given(self) -> Names:
+        """The names that the expression may hold, as far as they are known."""
+        return Literals(self.sources).names(self.source, self.named)
 
 
 def declaration_fault(error: ErrorText, look: Look) -> Finding | None:
@@ -115,8 +128,7 @@ def _uses_at(
 
 def _about(use: _Use, names: tuple[str, ...]) -> _Use | None:
     """Return a use with the names that an error is about, or else those not declared; None if none remain."""
-    given = names_given(use.sources, use.source, use.function, use.named)
-    declared = declared_in(use.sources) or {}
+    given, declared = use.given, declared_in(use.sources) or {}
     meant = tuple(name for name in names or given if name in given and (names or name not in declared))
     return replace(use, names=meant) if meant else None
 
@@ -125,7 +137,7 @@ def _undeclared(use: _Use) -> Finding:
     """Return a finding about an undeclared parameter, with a declaration in the terms of the line."""
     together = use.sources.around(use.source.name) or use.sources  # not the parameters of other programs
     name, declared = use.names[0], declared_in(together) or {}
-    given = names_given(use.sources, use.source, use.function, use.named)
+    given = use.given
     _, origin = given[name]
     comes = ""
     if isinstance(origin, ast.Call):
@@ -257,11 +269,11 @@ def _options(use: _Use) -> Iterator[tuple[str, str]]:
 
 
 def _by_its_list(use: _Use) -> Finding | None:
-    bound = bound_to(use.source, use.function, use.named.id) if isinstance(use.named, ast.Name) else ()
-    for number, given in bound:
-        held = use.sources.value(use.source, given)
-        texts = [*first_texts(held, number)] if isinstance(held, list) else []
-        if any(texts.count(name) > 1 for name in use.names):
+    name = use.named.id if isinstance(use.named, ast.Name) else ""
+    for value, path in bindings(own_nodes(use.function or use.source.tree), name):
+        given, number = looped(value, path) if path else (value, 0)
+        texts = [*first_texts(use.sources.value(use.source, given), number)]
+        if given and any(texts.count(name) > 1 for name in use.names):
             cause = (
                 f"{use.text} is twice in `{ast.unparse(given)}`, but a parameter can be declared only once."
             )
@@ -289,14 +301,14 @@ def _others(use: _Use) -> Iterator[tuple[PythonSource, NodeClass | None, ast.Cal
     """Yield the other calls of the node's classes that declare a parameter, and the expression naming it."""
     lineage = [None, *use.sources.lineage(use.owner)[0]] if use.owner else [None]
     for source in use.sources.sources.values():
-        for owner, function, call in use.sources.scoped(source):
+        for owner, _, call in use.sources.scoped(source):
             method = getattr(call.func, "attr", "") if isinstance(call, ast.Call) else ""
             if not isinstance(call, ast.Call) or method not in _DECLARES or owner not in lineage:
                 continue
             values = given_to(call)
             naming = values[:1] if method == "declare_parameter" else [n for v in values for n in ast.walk(v)]
             for node in naming:
-                given = names_given(use.sources, source, function, node) if isinstance(node, ast.expr) else {}
+                given = Literals(use.sources).names(source, node) if isinstance(node, ast.expr) else {}
                 for _, (home, where) in ((name, given[name]) for name in use.names if name in given):
                     asked = where if isinstance(where, ast.Call) else call
                     yield from _earlier(use, home, owner, call, asked)
@@ -310,7 +322,7 @@ def _earlier(
     if through.isdisjoint(range(where.lineno, (where.end_lineno or where.lineno) + 1)):
         yield home, owner, call, where
     elif where is not use.call and isinstance(where, ast.Call) and use.function:
-        for source, _, caller in calls_of(use.sources, use.function):
+        for source, caller in Literals(use.sources).calls(use.function.name):
             names = [parameter.arg for parameter in parameters(use.function)]
             texts = [argument_of(use.function, caller, name) for name in names]
             is_same = any(

@@ -6,7 +6,6 @@ import ast
 import itertools
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
 
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.bindings import Path, bindings
@@ -25,6 +24,7 @@ from ros2lab.diagnose.sources.syntax_parts import all_parameters, by_parameter, 
 from ros2lab.diagnose.sources.uses import own_stores
 
 _DEEPEST = 8  # variables and calls through which a value is followed
+_DEEPEST_NAME = 5  # and a name, of which each way is followed anew
 _MOST = 500  # expressions that are looked at
 # Functions that return one of their arguments, or one of the values in them.
 _PASSED_ON = frozenset(("max", "min", "abs", "round", "copy", "deepcopy"))
@@ -33,6 +33,9 @@ _GONE_THROUGH = frozenset(
     ("list", "tuple", "sorted", "reversed", "iter", "count", "cycle", "repeat", "range", "set", "deque")
 )
 Leaf = tuple[PythonSource, ast.expr]
+Passed = tuple[PythonSource, ast.expr, ast.Call | None]
+# Each name with its origin: the expression itself, or the call that passes it to the function.
+Names = Mapping[str, Leaf]
 
 
 class Literals:
@@ -58,11 +61,49 @@ class Literals:
         if isinstance(value, (ast.Name, ast.Attribute)):
             for home, given, more in self._bound(source, value):
                 yield from self.behind(home, given, (*more, *path), depth - 1)
+            for home, given, _ in self._passed(source, value):
+                yield from self.behind(home, given, path, depth - 1)
         elif isinstance(value, ast.Call):
             for home, function in self._called(source, value):
                 returned = [n.value for n in own_nodes(function) if isinstance(n, ast.Return) and n.value]
                 for given in returned:
                     yield from self.behind(home, given, path, depth - 1)
+
+    def names(self, source: PythonSource, node: ast.expr, depth: int = _DEEPEST_NAME) -> Names:
+        """Return the names that an expression may hold, as far as they are known; for a list, its items."""
+        value = self._sources.value(source, node)
+        found: dict[str, Leaf] = {}
+        match node if depth else None:
+            case _ if isinstance(value, (str, list, dict)):
+                texts = first_texts([value] if isinstance(value, str) else value)
+                found = dict.fromkeys(texts, (source, node))
+            case ast.JoinedStr(values=parts):
+                pieces = [part.value if isinstance(part, ast.FormattedValue) else part for part in parts]
+                found = dict(self._joined(source, pieces, depth))
+            case ast.BinOp(op=ast.Add(), left=left, right=right):
+                found = dict(self._joined(source, [left, right], depth))
+            case ast.List(elts=items) | ast.Tuple(elts=items):
+                pairs = (isinstance(item, (ast.Tuple, ast.List)) and item.elts for item in items)
+                for first in (pair[0] if pair else item for item, pair in zip(items, pairs, strict=True)):
+                    found |= self.names(source, first, depth - 1)
+            case ast.Name() | ast.Attribute() as name:
+                for home, given, path in self._bound(source, name):
+                    held, number = looped(given, path) if path else (None, 0)
+                    items = self._sources.value(home, held)
+                    found |= dict.fromkeys(first_texts(items, number) if held else (), (source, node))
+                    found |= self.names(home, given, depth - 1) if not path else {}
+                for home, given, call in self._passed(source, name):
+                    inner = self.names(home, given, depth - 1)
+                    found |= dict.fromkeys(inner, (home, call)) if call else inner
+        return found
+
+    def _joined(self, source: PythonSource, parts: list[ast.expr], depth: int) -> Iterator[tuple[str, Leaf]]:
+        """Yield the texts that parts may form when joined, each with its origin, a call if there is one."""
+        rows = [self.names(source, part, depth - 1).items() for part in parts]
+        for way in itertools.islice(itertools.product(*rows), 100):
+            given = [place for _, place in way]
+            origin = next((p for p in given if isinstance(p[1], ast.Call)), given[0])
+            yield "".join(text for text, _ in way), origin
 
     def _bound(
         self, source: PythonSource, name: ast.Name | ast.Attribute
@@ -73,8 +114,6 @@ class Literals:
             rows = [*_bound_or_added(own_nodes(function), name.id)] if function else []
             rows = rows or [*_bound_or_added(own_nodes(source.tree), name.id)]
             yield from ((source, value, path) for value, path in rows)
-            if function and name.id in [parameter.arg for parameter in all_parameters(function)]:
-                yield from ((home, value, ()) for home, value in self._given(source, function, name.id))
             imported = (source.resolve(name) or "").rpartition(".") if not rows else ("", "", "")
             if home := self._sources.sources.get(imported[0]):
                 rows = [*_bound_or_added(home.tree.body, imported[2])]
@@ -84,17 +123,30 @@ class Literals:
                 of_self = _bound_or_added(tuple(walk(owner)), f"self.{name.attr}")
                 of_class = _bound_or_added(owner.body, name.attr)
                 yield from ((home, value, path) for value, path in (*of_self, *of_class))
-                yield from ((home, value, ()) for home, value in self._of_fields(owner, name.attr))
-            if not is_self_attribute(name):
-                yield from ((home, value, ()) for home, value in self._of_namedtuple(name.attr))
+
+    def _passed(
+        self, source: PythonSource, name: ast.Name | ast.Attribute
+    ) -> Iterator[tuple[PythonSource, ast.expr, ast.Call | None]]:
+        """Yield what calls pass for a parameter, or for a field, each with its file; a default is in no call."""
+        if isinstance(name, ast.Name):
+            function = source.function_at(name.lineno)
+            if function and name.id in [parameter.arg for parameter in all_parameters(function)]:
+                yield from self._given(source, function, name.id)
+            return
+        for _, owner in self._owners(source, name):
+            yield from self._of_fields(owner, name.attr)
+        if not is_self_attribute(name):
+            yield from self._of_namedtuple(name.attr)
 
     def _owners(
         self, source: PythonSource, name: ast.Attribute
     ) -> Iterator[tuple[PythonSource, ast.ClassDef]]:
         """Yield the classes that an attribute may belong to: the one around self, or the only one that has it."""
         if is_self_attribute(name) or ast.unparse(name.value) in ("cls", "type(self)"):
-            if owner := source.class_at(name.lineno):
-                yield source, owner
+            owner = source.class_at(name.lineno)
+            own = self._sources.classes.get(f"{source.name}.{owner.name}") if owner else None
+            chain = self._sources.lineage(own)[0] if own else ()
+            yield from ((inner.source, inner.definition) for inner in chain)
             return
         called = ast.unparse(name.value)
         known = [c for c in self._sources.classes.values() if name.attr in _attributes(c.definition)]
@@ -104,7 +156,7 @@ class Literals:
             found = (named or known)[0]
             yield found.source, found.definition
 
-    def _of_fields(self, owner: ast.ClassDef, name: str) -> Iterator[Leaf]:
+    def _of_fields(self, owner: ast.ClassDef, name: str) -> Iterator[Passed]:
         """Yield what the calls of a dataclass or a named tuple pass for one of its fields."""
         made = [ast.unparse(node) for node in (*owner.decorator_list, *owner.bases)]
         if not any(re.search(r"\b(?:dataclass|NamedTuple)\b", text) for text in made):
@@ -112,7 +164,7 @@ class Literals:
         declared = [n.target for n in owner.body if isinstance(n, ast.AnnAssign)]
         yield from self._given_by_place(owner.name, [ast.unparse(target) for target in declared], name)
 
-    def _of_namedtuple(self, name: str) -> Iterator[Leaf]:
+    def _of_namedtuple(self, name: str) -> Iterator[Passed]:
         """Yield what is passed for a field of `Joint = namedtuple('Joint', 'name low high')`."""
         for node in (node for source in self._sources.sources.values() for node in source.tree.body):
             match node:
@@ -127,26 +179,23 @@ class Literals:
                     if isinstance(names, (list, tuple)) and name in names:
                         yield from self._given_by_place(made, names, name)
 
-    def _given_by_place(self, function: str, names: Sequence[str], name: str) -> Iterator[Leaf]:
-        for source, call in self._calls(function):
+    def _given_by_place(self, function: str, names: Sequence[str], name: str) -> Iterator[Passed]:
+        for source, call in self.calls(function):
             if (given := by_parameter(call, names).get(name)) is not None:
-                yield source, given
+                yield source, given, call
 
-    def _given(self, source: PythonSource, function: Function, name: str) -> Iterator[Leaf]:
+    def _given(self, source: PythonSource, function: Function, name: str) -> Iterator[Passed]:
         """Yield what callers pass for a parameter of a function, or its default."""
         owner = next((n for n in source.nodes if isinstance(n, ast.ClassDef) and function in n.body), None)
         is_made = owner is not None and function.name == "__init__"
-        defaults = defaults_of(function)
-        called = False
-        for home, call in self._calls(owner.name if owner and is_made else function.name):
-            given = argument_of(function, call, name) or defaults.get(name)
-            called = True
-            if given is not None:
-                yield (source if given is defaults.get(name) else home), given
-        if not called and name in defaults:
-            yield source, defaults[name]
+        default = defaults_of(function).get(name)
+        calls = [*self.calls(owner.name if owner and is_made else function.name)]
+        given = [(home, argument_of(function, call, name), call) for home, call in calls]
+        if default is not None and (not calls or any(value is default for _, value, _ in given)):
+            yield source, default, None
+        yield from ((home, value, call) for home, value, call in given if value not in (None, default))
 
-    def _calls(self, name: str) -> Iterator[tuple[PythonSource, ast.Call]]:
+    def calls(self, name: str) -> Iterator[tuple[PythonSource, ast.Call]]:
         """Yield the calls of a function or class, also those for which it is passed on: `submit(work, 3)`."""
         for source in self._sources.sources.values():
             calls = (call for node in source.calls for call in (node, *_passed_on(node)))
@@ -255,130 +304,23 @@ def _attributes(owner: ast.ClassDef) -> set[str]:
     return own_stores(owner) | names_bound(n for s in fields for n in walk(s))
 
 
-_DEEPEST_NAME = 5  # variables and calls through which a name is followed
-# Each name with its origin: the expression itself, or the call that passes it to the function.
-Names = Mapping[str, tuple[PythonSource, ast.expr]]
-
-
-def names_given(
-    sources: NodeSources,
-    source: PythonSource,
-    function: Function | None,
-    node: ast.expr,
-    depth: int = _DEEPEST_NAME,
-) -> Names:
-    """Return the names that an expression may hold, as far as they are known; for a list, its items."""
-    value = sources.value(source, node)
-    if isinstance(value, (str, list, dict)):
-        return dict.fromkeys(first_texts([value] if isinstance(value, str) else value), (source, node))
-    if depth == 0:
-        return {}
-    found: dict[str, tuple[PythonSource, ast.expr]] = {}
-    match node:
-        case ast.JoinedStr(values=parts):
-            texts = [part.value if isinstance(part, ast.FormattedValue) else part for part in parts]
-            found = dict(_joined(sources, source, function, texts, depth))
-        case ast.BinOp(op=ast.Add(), left=left, right=right):
-            found = dict(_joined(sources, source, function, [left, right], depth))
-        case ast.List(elts=items) | ast.Tuple(elts=items):
-            pairs = (isinstance(item, (ast.Tuple, ast.List)) and item.elts for item in items)
-            for first in (pair[0] if pair else item for item, pair in zip(items, pairs, strict=True)):
-                found |= names_given(sources, source, function, first, depth - 1)
-        case ast.Attribute(attr=name):
-            for given in _kept(sources, ast.unparse(node), name):
-                found |= names_given(sources, source, function, given, depth - 1)
-        case ast.Name():
-            found = {**_of_variable(sources, source, function, node, depth)}
-    return found
-
-
-def _of_variable(
-    sources: NodeSources, source: PythonSource, function: Function | None, node: ast.Name, depth: int
-) -> Names:
-    """Return the names that a variable may hold: what it is bound to, and what callers pass for it."""
-    found: dict[str, tuple[PythonSource, ast.expr]] = {}
-    for number, given in bound_to(source, function, node.id):
-        held = sources.value(source, given)
-        firsts = first_texts(held, number) if isinstance(held, (list, dict)) else ()
-        found |= dict.fromkeys(firsts, (source, node))
-        if number is None:
-            found |= names_given(sources, source, function, given, depth - 1)
-    if function and node.id in [parameter.arg for parameter in parameters(function)]:
-        found |= _of_callers(sources, function, node.id, depth)
-    return found
-
-
-def _kept(sources: NodeSources, text: str, name: str) -> Iterator[ast.expr]:
-    """Yield the values assigned to an attribute such as `self.name`, also in the body of a class."""
-    for node in (node for source in sources.sources.values() for node in source.nodes):
-        match node:
-            case ast.Assign(targets=[ast.Attribute() as target], value=value) if ast.unparse(target) == text:
-                yield value
-            case ast.ClassDef(body=body):
-                yield from (
-                    statement.value
-                    for statement in body
-                    if isinstance(statement, ast.Assign)
-                    and [name] == [getattr(n, "id", "") for n in statement.targets]
-                )
-
-
-def first_texts(items: Any, number: int | None = 0) -> Iterator[str]:
+def first_texts(items: object, number: int = 0) -> Iterator[str]:
     """Yield the strings among some items, and from each item that is a list the string at the given index."""
-    for item in items:
+    for item in items if isinstance(items, (list, dict)) else ():
         if isinstance(item, list):
-            yield from (text for text in item[number or 0 :][:1] if isinstance(text, str))
+            yield from (text for text in item[number:][:1] if isinstance(text, str))
         elif isinstance(item, str) and not number:
             yield item
 
 
-def _joined(
-    sources: NodeSources, source: PythonSource, function: Function | None, parts: list[ast.expr], depth: int
-) -> Iterator[tuple[str, tuple[PythonSource, ast.expr]]]:
-    """Yield the texts that parts may form when joined, each with its origin, a call if there is one."""
-    rows = [names_given(sources, source, function, part, depth - 1).items() for part in parts]
-    for way in itertools.islice(itertools.product(*rows), 100):
-        given = [place for _, place in way]
-        yield (
-            "".join(text for text, _ in way),
-            next((p for p in given if isinstance(p[1], ast.Call)), given[0]),
-        )
-
-
-def bound_to(
-    source: PythonSource, function: Function | None, name: str
-) -> Iterator[tuple[int | None, ast.expr]]:
-    """Yield what a name is bound to: None and an expression, or an index into each item of an expression."""
-    for value, path in bindings(own_nodes(function) if function else source.tree.body, name):
-        match value:
-            case _ if path == ():
-                yield None, value
-            case ast.Call(func=ast.Attribute(value=held, attr="items" | "keys")) if path[0] is None:
-                yield (path[1:] or (0,))[0], held
-            case _ if path[0] is None:
-                yield (path[1:] or (0,))[0], value
-
-
-def _of_callers(sources: NodeSources, function: Function, name: str, depth: int) -> Names:
-    """Return the names that callers pass for a parameter of a function."""
-    found: dict[str, tuple[PythonSource, ast.expr]] = {}
-    for home, around, call in calls_of(sources, function):
-        given = argument_of(function, call, name)
-        texts = names_given(sources, home, around, given, depth - 1) if given is not None else ()
-        found |= dict.fromkeys(texts, (home, call))
-    return found
-
-
-def calls_of(
-    sources: NodeSources, function: Function
-) -> Iterator[tuple[PythonSource, Function | None, ast.Call]]:
-    """Yield the calls of a function, found by its name, each with its file and the function around it."""
-    for source in sources.sources.values():
-        for _, around, call in sources.scoped(source):
-            called = call.func if isinstance(call, ast.Call) else None
-            is_named = last_name(called) == function.name
-            if isinstance(call, ast.Call) and is_named:
-                yield source, around, call
+def looped(value: ast.expr, path: Path) -> tuple[ast.expr | None, int]:
+    """Return what a loop over a value goes through, None if there is no loop, and which part of each item it takes."""
+    match value:
+        case _ if path[0] is not None:
+            return None, 0
+        case ast.Call(func=ast.Attribute(value=held, attr="items" | "keys")):
+            value = held
+    return value, (path[1:] or (0,))[0] or 0
 
 
 def argument_of(function: Function, call: ast.Call, name: str) -> ast.expr | None:
