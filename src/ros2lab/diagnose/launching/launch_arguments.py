@@ -9,14 +9,31 @@ from typing import Any
 from ros2lab.diagnose.nodes.parameter_faults import sections_of
 from ros2lab.diagnose.sources.parameter_file import ParameterFileError, read_parameter_file
 from ros2lab.diagnose.sources.python_source import PythonSource
+from ros2lab.diagnose.sources.syntax_parts import calls_in
+
+
+def calls_of_launch(
+    source: PythonSource, *homes: str, within: ast.AST | None = None
+) -> Iterator[tuple[str, ast.Call]]:
+    """Yield the calls of what belongs to launch, or to some modules of it, each with the name of what is called."""
+    for call in source.calls if within is None else calls_in(ast.walk(within)):
+        if (name := source.resolve(call.func) or "").startswith(homes or ("launch.", "launch_ros.")):
+            yield name, call
+
+
+def class_made(source: PythonSource, value: ast.expr, *modules: str) -> tuple[str, str]:
+    """Return which of some modules has the class that an expression makes, and its name; both empty if none has."""
+    target = source.resolve(value.func) or "" if isinstance(value, ast.Call) else ""
+    module, _, name = target.rpartition(".")
+    return next(((known, name) for known in modules if f"{module}.".startswith(f"{known}.")), ("", ""))
 
 
 def arguments_named(
     source: PythonSource, *kinds: str, within: ast.AST | None = None
 ) -> Iterator[tuple[str, ast.Call]]:
     """Yield the launch arguments that calls of some classes name, such as `DeclareLaunchArgument`, each with its call."""
-    for call in source.nodes if within is None else ast.walk(within):
-        if isinstance(call, ast.Call) and (source.resolve(call.func) or "").rpartition(".")[2] in kinds:
+    for called, call in calls_of_launch(source, "", within=within):
+        if called.rpartition(".")[2] in kinds:
             named = [keyword.value for keyword in call.keywords if keyword.arg in ("name", "variable_name")]
             match [*call.args, *named]:
                 case [ast.Constant(value=str(name)), *_]:

@@ -54,9 +54,9 @@ def launch_commands(path: Path, shown: str) -> Iterator[LaunchCommand]:
     """Yield the commands that a launch file starts."""
     if path.suffix == ".py":
         source = read_source(path, "launch_file", shown)
-        for node in source.nodes:
-            if isinstance(node, ast.Call) and (dotted(node.func) or "").endswith("ExecuteProcess"):
-                yield from _of_call(source, node)
+        for call in source.calls:
+            if (dotted(call.func) or "").endswith("ExecuteProcess"):
+                yield from _of_call(source, call)
         return
     text = read_text(path)
     for written in _written(path, text):

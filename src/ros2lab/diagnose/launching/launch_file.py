@@ -18,7 +18,7 @@ from ros2lab.diagnose.code.syntax_repairs import syntax_finding
 from ros2lab.diagnose.code.wrong_imports import misspelt_packages, wrong_imports
 from ros2lab.diagnose.finding import Finding, at, not_read
 from ros2lab.diagnose.launching.entity_words import entity_repair
-from ros2lab.diagnose.launching.launch_arguments import all_named
+from ros2lab.diagnose.launching.launch_arguments import all_named, calls_of_launch
 from ros2lab.diagnose.launching.launch_kinds import READING, kind_faults
 from ros2lab.diagnose.launching.launch_values import declared_late, used_too_early
 from ros2lab.diagnose.launching.misplaced_values import joined_words, misplaced_values, older_keywords
@@ -35,7 +35,6 @@ from ros2lab.diagnose.sources.static_value import UNKNOWN, dotted, evaluate
 _LISTS = frozenset(("parameters", "remappings", "arguments", "ros_arguments"))
 # Actions that may read or set any launch argument.
 _MAY_READ_ANY = ("Include", "OpaqueFunction", "SetLaunchConfiguration", "Push", "Group")
-_ACTIONS = ("launch_ros.actions", "launch.actions")
 SHARE = "share:"  # stands for a package's share folder in a path
 
 
@@ -186,9 +185,7 @@ def _of_ros_nodes(source: PythonSource, own: Collection[str]) -> Iterator[Findin
     yield from older_keywords(source)
     yield from misplaced_values(source)
     yield from joined_words(source)
-    for node in source.nodes:
-        if not isinstance(node, ast.Call) or not (source.resolve(node.func) or "").startswith(_ACTIONS):
-            continue
+    for _, node in calls_of_launch(source, "launch.actions.", "launch_ros.actions."):
         for keyword in node.keywords:
             if _lacks_brackets(source, node, keyword):
                 cause = f"{keyword.arg} must be a list, but {ast.unparse(keyword.value)[:60]} is not one: the brackets around it are missing."
@@ -261,11 +258,8 @@ def _nodes(source: PythonSource) -> Iterator[Launched]:
             name = node.targets[0].id
             names[name] = UNKNOWN if name in names else evaluate(node.value, names, calls)
     idle = {id(call) for action in unlisted(source) for call in action.made}
-    for node in source.nodes:
-        if not isinstance(node, ast.Call):
-            continue
-        target = source.resolve(node.func) or ""
-        if not target.startswith("launch_ros.actions.") or not target.endswith("Node"):
+    for target, node in calls_of_launch(source, "launch_ros.actions."):
+        if not target.endswith("Node"):
             continue
         given = {k.arg: evaluate(k.value, names, calls) for k in node.keywords if k.arg}
         line = next((k.value for k in node.keywords if k.arg == "executable"), node)

@@ -8,7 +8,12 @@ from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.launching.launch_arguments import all_named, arguments_named
+from ros2lab.diagnose.launching.launch_arguments import (
+    all_named,
+    arguments_named,
+    calls_of_launch,
+    class_made,
+)
 from ros2lab.diagnose.sources.python_source import PythonSource, given_to
 from ros2lab.diagnose.sources.signatures import heads_of, signature_of
 
@@ -29,13 +34,14 @@ _IS_NAMED = frozenset(("package", "executable", "plugin", "name", "exec_name", "
 
 def kind_faults(source: PythonSource) -> Iterator[Finding]:
     """Yield arguments of launch's classes that are of the wrong kind, as far as the right one can be written."""
-    for call in calls_of_launch(source):
+    for _, call in calls_of_launch(source):
         for wanted, value in _given(source, call):
             kind = _kind(source, value)
             new = _as(source, value, wanted) if kind and kind != wanted else ""
             if new:
                 callee = ast.unparse(call.func)
-                what = f"`{ast.unparse(value)}` is {_with_class(source, value)}"
+                name = _class(source, value)
+                what = f"`{ast.unparse(value)}` is {kind}" + f" ({name})" * bool(name)
                 cause = f"{callee} needs {wanted} here, but {what}."
                 fix = f"write {new} instead of {ast.unparse(value)}"
                 yield Finding("launch-argument", cause, source.at(value), fix)
@@ -46,10 +52,10 @@ def kind_faults(source: PythonSource) -> Iterator[Finding]:
 def _included_kinds(source: PythonSource) -> Iterator[Finding]:
     """Yield launch files that are included by the class for files of another kind."""
     endings = {ending: kind for kind, known in _INCLUDED.items() for ending in known}
-    for call in source.nodes:
-        name = (source.resolve(call.func) or "").rpartition(".")[2] if isinstance(call, ast.Call) else ""
+    for called, call in calls_of_launch(source):
+        name = called.rpartition(".")[2]
         kind = name.removesuffix("LaunchDescriptionSource")
-        if not isinstance(call, ast.Call) or kind not in _INCLUDED or kind == name:
+        if kind not in _INCLUDED or kind == name:
             continue
         made = [source.written(value) for value in (*call.args[:1], *(k.value for k in call.keywords))]
         texts = [n.value for value in made for n in ast.walk(value) if isinstance(n, ast.Constant)]
@@ -59,15 +65,6 @@ def _included_kinds(source: PythonSource) -> Iterator[Finding]:
             fix = f"write AnyLaunchDescriptionSource instead of {name}, with `from launch.launch_description_sources import AnyLaunchDescriptionSource` at the top"
             cause = f"{name} reads {kind}, but {file.rpartition('/')[2]} is {other}."
             yield Finding("launch-argument", cause, source.at(call), fix, (file.rpartition("/")[2],))
-
-
-def calls_of_launch(source: PythonSource) -> Iterator[ast.Call]:
-    """Yield the calls of what belongs to launch."""
-    for node in source.nodes:
-        if isinstance(node, ast.Call) and (source.resolve(node.func) or "").startswith(
-            ("launch.", "launch_ros.")
-        ):
-            yield node
 
 
 def named_arguments(source: PythonSource, call: ast.Call) -> list[tuple[str, ast.expr]]:
@@ -102,29 +99,20 @@ def _type(source: PythonSource, call: ast.Call, name: str) -> str:
     return named.type if named else ""
 
 
-def _class(source: PythonSource, value: ast.expr) -> tuple[str, str]:
-    """Return the module and the name of the class that an expression makes; empty if it makes none of launch's."""
-    made = source.written(value)
-    target = (source.resolve(made.func) or "") if isinstance(made, ast.Call) else ""
-    module, _, name = target.rpartition(".")
-    return next(((known, name) for known in _MADE if f"{module}.".startswith(f"{known}.")), ("", ""))
+def _class(source: PythonSource, value: ast.expr) -> str:
+    """Return the class of the substitution or the condition that an expression makes; empty if it makes none."""
+    return class_made(source, source.written(value), *_MADE)[1]
 
 
 def _kind(source: PythonSource, value: ast.expr) -> str:
-    module, _ = _class(source, value)
     if isinstance(value, ast.List) and value.elts and all(_kind(source, e) == _CONDITION for e in value.elts):
         return _CONDITIONS
-    return _MADE.get(module, "")
-
-
-def _with_class(source: PythonSource, value: ast.expr) -> str:
-    _, name = _class(source, value)
-    return f"{_kind(source, value)} ({name})" if name else _kind(source, value)
+    return _MADE.get(class_made(source, source.written(value), *_MADE)[0], "")
 
 
 def _as(source: PythonSource, value: ast.expr, wanted: str) -> str:
     """Return an expression rewritten as another kind; empty if that is not known."""
-    made, (_, name) = source.written(value), _class(source, value)
+    made, name = source.written(value), _class(source, value)
     kind = _kind(source, value)
     if wanted == _NAME and name == "LaunchConfiguration":
         return ast.unparse(_arguments(made)[0]) if _arguments(made) else ""
@@ -148,7 +136,7 @@ def _as_substitution(source: PythonSource, made: ast.expr, name: str) -> str:
     match name, texts:
         case "LaunchConfigurationEquals" | "LaunchConfigurationNotEquals", [first, second]:
             sign = name.removeprefix("LaunchConfiguration")
-            first = first if _class(source, _arguments(made)[0])[1] else f"LaunchConfiguration({first})"
+            first = first if _class(source, _arguments(made)[0]) else f"LaunchConfiguration({first})"
             return f"{sign}Substitution({first}, {second})"
         case "IfCondition", [value]:
             return nested or value
@@ -165,8 +153,8 @@ def _plain_words(source: PythonSource) -> Iterator[Finding]:
     """Yield texts that are only the name of a declared argument, where its value is meant."""
     declared = {name for name, _ in arguments_named(source, "DeclareLaunchArgument")}
     read = all_named(source, *READING)
-    for call in calls_of_launch(source):
-        for word, form in _words(source, call):
+    for called, call in calls_of_launch(source):
+        for word, form in _words(source, called.rpartition(".")[2], call):
             name = _VAR.sub(r"\1", str(word.value))
             if name in declared and (form or name != word.value or (read is not None and name not in read)):
                 new = f"LaunchConfiguration({name!r})"
@@ -175,9 +163,8 @@ def _plain_words(source: PythonSource) -> Iterator[Finding]:
                 yield Finding("launch-argument", cause, source.at(word), fix)
 
 
-def _words(source: PythonSource, call: ast.Call) -> Iterator[tuple[ast.Constant, str]]:
+def _words(source: PythonSource, callee: str, call: ast.Call) -> Iterator[tuple[ast.Constant, str]]:
     """Yield the texts that a call of launch is given as values; where no text can be meant, with the form to write."""
-    callee = (source.resolve(call.func) or "").rpartition(".")[2]
     if callee == "DeclareLaunchArgument" or "LaunchConfiguration" in callee:
         return
     is_condition = callee in ("IfCondition", "UnlessCondition")

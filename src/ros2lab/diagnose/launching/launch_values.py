@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.launching.launch_arguments import arguments_named
+from ros2lab.diagnose.launching.launch_arguments import arguments_named, class_made
 from ros2lab.diagnose.launching.launch_choices import choice_when_it_runs
 from ros2lab.diagnose.launching.opaque_functions import as_opaque_function, needed_at_once, runs_at_once
 from ros2lab.diagnose.sources.class_trees import launch_classes_with
@@ -191,6 +191,4 @@ def _class_of(source: PythonSource, value: ast.expr) -> str:
         made = _class_of(source, source.written(value.left))
         method = _DEFINED_BY.get(type(value.op), "")
         return made if method and made in launch_classes_with(method) else ""
-    target = source.resolve(value.func) or "" if isinstance(value, ast.Call) else ""
-    module, _, name = target.rpartition(".")
-    return name if f"{module}.".startswith(("launch.substitutions.", "launch_ros.substitutions.")) else ""
+    return class_made(source, value, "launch.substitutions", "launch_ros.substitutions")[1]

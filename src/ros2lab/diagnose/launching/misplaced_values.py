@@ -9,6 +9,7 @@ import shlex
 from collections.abc import Iterator
 
 from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.launching.launch_arguments import calls_of_launch
 from ros2lab.diagnose.sources.python_source import PythonSource
 from ros2lab.diagnose.sources.signatures import signature_by_name, signature_of
 from ros2lab.diagnose.sources.static_value import evaluate
@@ -20,9 +21,7 @@ OPTIONS = frozenset(("-p", "--param", "-r", "--remap", "--params-file", "--log-l
 
 def misplaced_values(source: PythonSource) -> Iterator[Finding]:
     """Yield keyword arguments of nodes whose value has a form that only another keyword takes."""
-    for call in source.nodes:
-        if not isinstance(call, ast.Call) or not (source.resolve(call.func) or "").startswith("launch_ros."):
-            continue
+    for _, call in calls_of_launch(source, "launch_ros."):
         signature = signature_of(source, call)
         parameters = signature.parameters if signature and not signature.is_open else ()
         known = {parameter.name for parameter in parameters}
@@ -50,9 +49,7 @@ def misplaced_values(source: PythonSource) -> Iterator[Finding]:
 
 def joined_words(source: PythonSource) -> Iterator[Finding]:
     """Yield items of a list of words that hold several: each item reaches the program as a single word."""
-    for call in source.nodes:
-        if not isinstance(call, ast.Call) or not (source.resolve(call.func) or "").startswith("launch"):
-            continue
+    for _, call in calls_of_launch(source):
         has_shell = any(keyword.arg == "shell" for keyword in call.keywords)
         for keyword in call.keywords:
             items = keyword.value.elts if isinstance(keyword.value, ast.List) else []
@@ -68,10 +65,7 @@ def joined_words(source: PythonSource) -> Iterator[Finding]:
 
 def older_keywords(source: PythonSource) -> Iterator[Finding]:
     """Yield the calls of nodes in a launch file with keywords that older versions of ROS had."""
-    for call in source.nodes:
-        name = (source.resolve(call.func) or "") if isinstance(call, ast.Call) else ""
-        if not isinstance(call, ast.Call) or not name.startswith("launch_ros.actions."):
-            continue
+    for name, call in calls_of_launch(source, "launch_ros.actions."):
         signature = signature_by_name(name)
         taken = {parameter.name for parameter in signature.parameters} if signature else set()
         given = {keyword.arg for keyword in call.keywords}

@@ -8,8 +8,8 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from ros2lab.diagnose.finding import Finding
-from ros2lab.diagnose.launching.launch_arguments import arguments_named
-from ros2lab.diagnose.launching.launch_kinds import READING, calls_of_launch, named_arguments
+from ros2lab.diagnose.launching.launch_arguments import arguments_named, calls_of_launch
+from ros2lab.diagnose.launching.launch_kinds import READING, named_arguments
 from ros2lab.diagnose.sources.calls import missing_imports
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, names_read, read_text, walk
 from ros2lab.diagnose.sources.static_value import UNKNOWN, evaluate
@@ -107,7 +107,7 @@ def _tests(node: ast.AST) -> Iterator[tuple[ast.expr, bool, ast.expr]]:
 
 
 def _times(source: PythonSource) -> Iterator[Finding]:
-    for call in calls_of_launch(source):
+    for _, call in calls_of_launch(source):
         for name, value in named_arguments(source, call):
             number = _number(source.written(value)) if name in _SECONDS else None
             if number and number >= _LONG and number % 100 == 0 and number % _HALF_HOUR:
@@ -274,6 +274,5 @@ def _only_read_once(source: PythonSource) -> set[str]:
 
 
 def _node_calls(source: PythonSource) -> list[ast.Call]:
-    calls = source.calls
-    kinds = ("launch_ros.actions.Node", "launch_ros.actions.LifecycleNode")
-    return [call for call in calls if source.resolve(call.func) in kinds]
+    made = calls_of_launch(source, "launch_ros.actions.")
+    return [call for name, call in made if name.rpartition(".")[2] in ("Node", "LifecycleNode")]
