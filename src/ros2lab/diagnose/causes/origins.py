@@ -19,6 +19,7 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.printed.spots import Spot, kind_in_words
 from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.bindings import Import
+from ros2lab.diagnose.sources.known_values import declaring
 from ros2lab.diagnose.sources.own_functions import may_fall_through, own_function
 from ros2lab.diagnose.sources.python_source import PythonSource, assigned_to, last_name, own_nodes
 
@@ -179,18 +180,10 @@ def _made(spot: Spot, expression: ast.expr) -> Iterator[Origin]:
 
 
 def _declared(source: PythonSource, value: ast.expr) -> ast.Call | None:
-    """Return the call that declares the parameter that an expression reads; None if it reads none."""
+    """Return the call that declares the parameter whose value an expression is; None if it is none."""
     match value:
-        case ast.Attribute(
-            value=ast.Call(func=ast.Attribute(attr="get_parameter"), args=[ast.Constant(value=name)])
-        ):
-            for node in source.nodes:
-                match node:
-                    case ast.Call(
-                        func=ast.Attribute(attr="declare_parameter"), args=[ast.Constant(value=declared), *_]
-                    ):
-                        if declared == name:
-                            return node
+        case ast.Attribute(value=ast.Call(func=ast.Attribute(attr="get_parameter")) as read):
+            return next(iter(declaring(source, read)), None)
     return None
 
 

@@ -17,10 +17,12 @@ from ros2lab.diagnose.sources import interfaces
 from ros2lab.diagnose.sources.calls import fitting
 from ros2lab.diagnose.sources.interfaces import field_kind
 from ros2lab.diagnose.sources.kinds import Kinds, Scope
+from ros2lab.diagnose.sources.known_values import declaring
 from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.own_functions import held_once
 from ros2lab.diagnose.sources.python_source import PythonSource, assigned_to, assignments, last_name, walk
 from ros2lab.diagnose.sources.spelling import with_article
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 _SAYS = re.compile(r"The '(?P<field>\w+)' field must be (?P<what>.+)")
 _RANGE = re.compile(r"an (?:unsigned )?integer in \[(?P<least>-?\d+), ?(?P<most>\d+)\]")
@@ -139,13 +141,8 @@ def _no_float(source: PythonSource, value: ast.expr, field: str, line: int) -> F
 def _declarations(source: PythonSource, value: ast.expr) -> Iterator[ast.Call]:
     """Yield the calls that declare the parameter that a value comes from."""
     made = assigned_to(source.nodes, ast.unparse(value))
-    calls = [node for expression in (value, *made) for node in walk(expression) if isinstance(node, ast.Call)]
-    asked = {_first_text(call) for call in calls if getattr(call.func, "attr", "") == "get_parameter"}
-    own = {id(call) for call in calls}
-    for node in source.nodes:
-        is_declared = isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "declare_parameter"
-        if isinstance(node, ast.Call) and is_declared and (_first_text(node) in asked or id(node) in own):
-            yield node
+    calls = (call for expression in (value, *made) for call in calls_in(walk(expression)))
+    yield from dict.fromkeys(declared for call in calls for declared in declaring(source, call))
 
 
 def _first_text(call: ast.Call) -> str:

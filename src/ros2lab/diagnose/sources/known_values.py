@@ -38,18 +38,23 @@ def value_of(sources: NodeSources, source: PythonSource, node: ast.expr | None) 
     return evaluate(node, names, {})
 
 
-def default_of(source: PythonSource, read: ast.expr) -> ast.expr | None:
-    """Return the default of the parameter that an expression reads, as far as its file declares it; None if it reads none."""
+def declaring(source: PythonSource, read: ast.expr) -> list[ast.Call]:
+    """Return the calls of a file that declare the parameter that an expression reads; none if it reads none."""
     match source.written(read):
         case ast.Call(func=ast.Attribute(attr="get_parameter_value", value=inner)):
-            return default_of(source, inner)
-        case ast.Call(func=ast.Attribute(attr="declare_parameter"), args=[_, default, *_]):
-            return default
+            return declaring(source, inner)
+        case ast.Call(func=ast.Attribute(attr="declare_parameter"), args=[_, *_]) as call:
+            return [call]
         case ast.Call(func=ast.Attribute(attr="get_parameter"), args=[name]):
-            calls = (c for c in source.calls if last_name(c.func) == "declare_parameter" and len(c.args) > 1)
-            given = [c.args[1] for c in calls if ast.unparse(c.args[0]) == ast.unparse(name)]
-            return given[0] if len(given) == 1 else None
-    return None
+            declared = (c for c in source.calls if last_name(c.func) == "declare_parameter" and c.args)
+            return [call for call in declared if ast.unparse(call.args[0]) == ast.unparse(name)]
+    return []
+
+
+def default_of(source: PythonSource, read: ast.expr) -> ast.expr | None:
+    """Return the default of the parameter that an expression reads, as far as its file declares it; None if it reads none."""
+    given = [call.args[1] for call in declaring(source, read) if len(call.args) > 1]
+    return given[0] if len(given) == 1 else None
 
 
 def _home(sources: NodeSources, source: PythonSource, node: ast.AST) -> tuple[PythonSource, str] | None:
