@@ -10,10 +10,8 @@ from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self
 from ros2lab.diagnose.sources.one_run import blocks, may_leave
 from ros2lab.diagnose.sources.python_source import PythonSource, walk
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import stores_in
+from ros2lab.diagnose.sources.syntax_parts import ADDS, TAKES_OUT, stores_in
 
-_TAKES_OUT = frozenset(("remove", "pop", "popleft", "discard", "popitem", "clear"))
-_ADDS = frozenset(("append", "appendleft", "insert", "extend", "add"))
 _Path = list[tuple[list[ast.stmt], int, bool]]  # (block, index, whether a loop repeats it), outermost first
 
 
@@ -68,13 +66,13 @@ def _changes(
             continue
         if places and not any(isinstance(n, ast.Name) and n.id == places for n in walk(changed)):
             continue
-        if by in _ADDS and (len(path) > 1 or may_leave(loop.body)):
+        if by in ADDS and (len(path) > 1 or may_leave(loop.body)):
             continue  # a conditional addition, as to a list of pending work, comes to an end
-        how = f"line {statement.lineno} {'adds to' if by in _ADDS else 'removes items from'} it"
+        how = f"line {statement.lineno} {'adds to' if by in ADDS else 'removes items from'} it"
         then = {
             True: "so the loop never ends",
             False: "so a list skips the item after each removed one, and a dict or a set raises an error",
-        }[by in _ADDS]
+        }[by in ADDS]
         if places:
             then = "so the item after each removed one is skipped, and the last indices no longer exist"
         cause = f"While the loop goes over {name}, {how}, {then}."
@@ -99,7 +97,7 @@ def _change(
     for node in _heads(statement):
         match node:
             case ast.Call(func=ast.Attribute(value=holder, attr=attr)) if (
-                attr in _TAKES_OUT | _ADDS and dotted(holder) == name
+                attr in TAKES_OUT | ADDS and dotted(holder) == name
             ):
                 return attr, node
             case ast.Subscript(value=holder, ctx=ast.Del()) if dotted(holder) == name:
@@ -108,7 +106,7 @@ def _change(
                 method = sources.method(owner, called.attr)
                 for inner in method.body if method else ():
                     by, _ = _change(sources, None, inner, name)
-                    if by in _TAKES_OUT | {"del"}:
+                    if by in TAKES_OUT | {"del"}:
                         return by, node
     return "", statement
 

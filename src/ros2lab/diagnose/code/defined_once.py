@@ -16,16 +16,13 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import defaults_of
+from ros2lab.diagnose.sources.syntax_parts import changed_by, defaults_of
 
 # Standard modules whose functions return a new value each time; capitalised names are classes.
 _CHANGING = frozenset(("time", "random", "secrets", "uuid"))
 _STEADY = frozenset(("strptime", "mktime", "strftime", "uuid3", "uuid5", "seed", "get_clock_info"))
 _OF_CLASSES = frozenset(
     f"datetime.{name}" for name in ("datetime.now", "datetime.today", "datetime.utcnow", "date.today")
-)
-_IN_PLACE = frozenset(
-    ("append", "appendleft", "add", "insert", "extend", "update", "setdefault", "pop", "remove", "clear")
 )
 _LITERALS = (ast.List, ast.Dict, ast.Set)
 
@@ -87,15 +84,7 @@ def _changed(owner: NodeClass | None, function: Function, name: str) -> int:
 
 
 def _line_of_change(nodes: Iterable[ast.AST], name: str) -> int:
-    for node in nodes:
-        match node:
-            case ast.Call(func=ast.Attribute(value=holder, attr=attr)) if (
-                attr in _IN_PLACE and dotted(holder) == name
-            ):
-                return node.lineno
-            case ast.Subscript(value=holder, ctx=ast.Store() | ast.Del()) if dotted(holder) == name:
-                return node.lineno
-    return 0
+    return next((getattr(node, "lineno", 0) for node in nodes if dotted(changed_by(node)) == name), 0)
 
 
 def _fields(sources: NodeSources, source: PythonSource, definition: ast.ClassDef) -> Iterator[Finding]:

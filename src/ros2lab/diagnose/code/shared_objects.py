@@ -10,11 +10,10 @@ from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import CHANGES, TAKES_OUT
 from ros2lab.diagnose.sources.uses import Uses
 
 _ADDS = {"append": 0, "appendleft": 0, "add": 0, "insert": 1}  # the position of the added argument
-_EMPTIES = frozenset(("clear", "pop", "popleft", "remove"))
-_CHANGES = frozenset((*_ADDS, *_EMPTIES, "extend", "update", "setdefault", "sort", "reverse"))
 _LITERALS = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp)
 _Loop = ast.For | ast.While | ast.AsyncFor
 _LOOPS = (ast.For, ast.While, ast.AsyncFor)
@@ -90,7 +89,7 @@ def _kept_by(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
 def _goes_on(holder: str, bound: Iterable[str], later: Iterable[ast.AST]) -> bool:
     """Return whether a collection keeps what was added earlier: nothing rebinds or empties it."""
     is_anew = any(name.startswith("self.") and f"{holder}.".startswith(f"{name}.") for name in bound)
-    return not is_anew and not _first_change(later, holder, _EMPTIES)
+    return not is_anew and not _first_change(later, holder, TAKES_OUT)
 
 
 def _of_the_class(uses: Uses, owner: NodeClass) -> Iterator[Finding]:
@@ -217,11 +216,11 @@ def _targets(node: ast.AST) -> list[ast.expr]:
     return []
 
 
-def _first_change(nodes: Iterable[ast.AST], name: str, by: Collection[str] = _CHANGES) -> ast.AST | None:
+def _first_change(nodes: Iterable[ast.AST], name: str, by: Collection[str] = CHANGES) -> ast.AST | None:
     """Return the first node that sets part of an object, or calls one of some methods on it; or None."""
     for node in nodes:
         match node:
-            case ast.Attribute(ctx=ast.Store()) | ast.Subscript(ctx=ast.Store()) if by is _CHANGES:
+            case ast.Attribute(ctx=ast.Store()) | ast.Subscript(ctx=ast.Store()) if by is CHANGES:
                 changed = [*_above(node)]
             case ast.Call(func=ast.Attribute(attr=attr, value=value)) if attr in by:
                 changed = [ast.unparse(value), *_above(value)]

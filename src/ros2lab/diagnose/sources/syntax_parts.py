@@ -25,6 +25,23 @@ def stores_in(nodes: Iterable[ast.AST]) -> Iterator[ast.Name | ast.Attribute]:
             yield node
 
 
+ADDS = frozenset(("append", "appendleft", "insert", "extend", "add"))
+TAKES_OUT = frozenset(("remove", "pop", "popleft", "discard", "popitem", "clear"))
+CHANGES = (
+    ADDS | TAKES_OUT | {"update", "setdefault", "sort", "reverse"}
+)  # methods that change a collection in place
+
+
+def changed_by(node: ast.AST) -> ast.expr | None:
+    """Return the collection that a node changes in place: by a method, or by setting or deleting an item; None if none."""
+    match node:
+        case ast.Call(func=ast.Attribute(value=holder, attr=attr)) if attr in CHANGES:
+            return holder
+        case ast.Subscript(value=holder, ctx=ast.Store() | ast.Del()):
+            return holder
+    return None
+
+
 def makes_text(value: ast.expr) -> bool:
     """Return whether an expression puts a text together."""
     match value:
