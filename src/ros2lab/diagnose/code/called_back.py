@@ -7,7 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ros2lab.diagnose.code.bound_names import unbound_names
-from ros2lab.diagnose.sources.node_source import NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.node_source import NodeSources
+from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, argument, own_nodes, parameters
 from ros2lab.diagnose.sources.static_value import dotted
 
@@ -95,14 +96,9 @@ def executed(sources: NodeSources) -> Iterator[CalledBack]:
         for owner, _, node in sources.scoped(source):
             if isinstance(node, ast.Call) and source.resolve(node.func) in _ACTION_SERVERS:
                 given = argument(node, 3, "execute_callback")
-                if owner and is_self_attribute(given):
-                    function = sources.method(owner, given.attr)
-                    home = next((s for s in sources.sources.values() if function in s.nodes), source)
-                else:
-                    home, function = sources.functions.get(
-                        sources.resolve(source, given) or "", (source, None)
-                    )
+                function = called_function(sources, source, owner, given) if given else None
                 if function is not None:
+                    home = next(file for file in sources.sources.values() if function in file.nodes)
                     kind = argument(node, 1, "action_type")
                     action = dotted(kind) or "" if kind else ""
                     yield CalledBack(home, function, "ActionServer", isinstance(given, ast.Attribute), action)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 
 # An RLock, and a Condition with its own lock, can be acquired again by the same thread; these cannot.
@@ -94,7 +95,6 @@ class _Held:
         """Return the function of the file that a node calls; None if it calls none."""
         if not isinstance(node, ast.Call):
             return None
-        if is_self_attribute(node.func):
-            return self.sources.method(self.owner, node.func.attr)
-        found = self.sources.functions.get(self.sources.resolve(self.source, node.func) or "")
-        return found[1] if found and found[0] is self.source and not self.lock.startswith("self.") else None
+        function = called_function(self.sources, self.source, self.owner, node.func)
+        is_of_file = function in self.source.nodes and not self.lock.startswith("self.")
+        return function if is_self_attribute(node.func) or is_of_file else None
