@@ -84,7 +84,7 @@ def _not_handed_over(
             continue
         if user := used.get((package.name, one.path.stem)):
             cause = f"{user.name} has a field of the type {one.path.stem}, but CMakeLists.txt does not name {one.name}, so the build stops."
-            yield Finding("interface-refused", cause, place, f"add {add}; then build again", (package.name,))
+            yield _finding(package, cause, place, f"add {add}")
             continue
         target = f"{package.name}.{one.path.suffix[1:]}.{one.path.stem}"
         found = ((file, used) for file in files for used in file.imports if used.target == target)
@@ -100,7 +100,11 @@ def _not_handed_over(
         fix = f"write DEPENDENCIES {home} before its last bracket"
         found_it = re.search(rf"find_package\s*\(\s*{home}\b", package.cmake)
         fix += "" if found_it else f", find_package({home} REQUIRED) above it"
-        yield Finding("interface-refused", cause, place, f"{fix}; then build again", (package.name,))
+        yield _finding(package, cause, place, fix)
+
+
+def _finding(package: SourcePackage, cause: str, place: str, fix: str) -> Finding:
+    return Finding("interface-refused", cause, place, f"{fix}; then build again", (package.name,))
 
 
 @dataclass(frozen=True)
@@ -181,13 +185,7 @@ class _Interface:
         fix = "remove this line, or make it a .srv in the folder srv" if _is_break(line) else fix
         uses = self._uses(code, ways[0]) if ways else ""
         cause = f"`{code or line.strip()}` is refused when {self.package.name} is built: {why}."
-        return Finding(
-            "interface-refused",
-            cause,
-            at(self.shown, number),
-            f"{fix}{uses}; then build again",
-            (self.package.name,),
-        )
+        return _finding(self.package, cause, at(self.shown, number), f"{fix}{uses}")
 
     def _meant(self, code: str) -> Iterator[str]:
         """Yield lines that a refused one may mean, the likeliest first; some of them are refused as well."""
@@ -286,13 +284,7 @@ class _Interface:
             if ways or not bare
             else f"{fix}, or create msg/{kind.type}.msg, and name it in CMakeLists.txt"
         )
-        yield Finding(
-            "interface-refused",
-            cause,
-            at(self.shown, number),
-            f"{fix}; then build again",
-            (self.package.name,),
-        )
+        yield _finding(self.package, cause, at(self.shown, number), fix)
 
     def _divided(self, there: int, parts: tuple[str, ...]) -> Finding:
         """Return that a file has too few or too many lines that divide it."""
@@ -308,13 +300,7 @@ class _Interface:
             wrong = [n for n, line in enumerate(self.lines, 1) if line == "---"][wanted]
         elif wrong:
             fix = "write exactly --- there, with no other sign and no space on the line"
-        return Finding(
-            "interface-refused",
-            cause,
-            at(self.shown, wrong),
-            f"{fix}; then build again",
-            (self.package.name,),
-        )
+        return _finding(self.package, cause, at(self.shown, wrong), fix)
 
     def _whole(self, breaks: Collection[int]) -> Iterator[Finding]:
         """Yield what is refused of a file whose lines are right: its own name, or a name that it has twice."""
@@ -343,7 +329,7 @@ class _Interface:
                 at(place, pairs[0][1] if pairs else None),
                 "give this one another name, or remove it",
             )
-        yield Finding("interface-refused", cause, place, f"{fix}; then build again", (self.package.name,))
+        yield _finding(self.package, cause, place, fix)
 
     def _uses(self, old: str, new: str) -> str:
         """Say where Python files use the name that a changed line had; empty if none does."""
