@@ -15,7 +15,6 @@ import socket
 import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
-from types import TracebackType
 from typing import Any
 
 from rcl_interfaces.srv import GetParameters
@@ -434,9 +433,7 @@ class ObservedDomain:
     def __enter__(self) -> ObservedDomain:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 
