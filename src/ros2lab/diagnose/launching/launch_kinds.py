@@ -52,7 +52,9 @@ def kind_faults(source: PythonSource) -> Iterator[Finding]:
 def _included_kinds(source: PythonSource) -> Iterator[Finding]:
     """Yield launch files that are included by the class for files of another kind."""
     endings = {ending: kind for kind, known in _INCLUDED.items() for ending in known}
-    for called, call in calls_of_launch(source):
+    for called, call in calls_of_launch(
+        source, "launch"
+    ):  # those of XML and YAML are in packages of their own
         name = called.rpartition(".")[2]
         kind = name.removesuffix("LaunchDescriptionSource")
         if kind not in _INCLUDED or kind == name:

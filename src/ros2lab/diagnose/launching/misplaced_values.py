@@ -49,7 +49,7 @@ def misplaced_values(source: PythonSource) -> Iterator[Finding]:
 
 def joined_words(source: PythonSource) -> Iterator[Finding]:
     """Yield items of a list of words that hold several: each item reaches the program as a single word."""
-    for _, call in calls_of_launch(source):
+    for _, call in calls_of_launch(source, "launch"):
         has_shell = any(keyword.arg == "shell" for keyword in call.keywords)
         for keyword in call.keywords:
             items = keyword.value.elts if isinstance(keyword.value, ast.List) else []
