@@ -11,6 +11,7 @@ from one_file import sources_of
 
 from ros2lab.diagnose.code.expression_faults import expression_faults
 from ros2lab.diagnose.code.flow_faults import flow_faults
+from ros2lab.diagnose.code.lost_values import lost_values
 from ros2lab.diagnose.code.result_faults import result_faults
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.nodes.bursts import burst_faults
@@ -60,6 +61,7 @@ def findings(folder: Path, init: str, methods: str, main: str = SPINS) -> Iterat
     yield from flow_faults(sources)
     yield from expression_faults(sources)
     yield from result_faults(Uses(sources))
+    yield from lost_values(Uses(sources))
     yield from life_faults(sources, ["pk.node.main"])
     yield from state_faults(Uses(sources))
     yield from burst_faults(sources)
@@ -94,6 +96,9 @@ RIGHT = {
     "a note beside a constant speed": (DRIVE + TIMER + "self.speed = 0.5\nself.state = 'idle'", "def tick(self):\n    self.state = 'moving'\n    cmd = Twist()\n    cmd.linear.x = self.speed\n    self.pub.publish(cmd)", SPINS),
     "a place where it began": ("self.x = 0.0\nself.goal = self.x + 5.0\nself.pub = self.create_publisher(Float32, 'out', 10)\n" + TIMER, "def tick(self):\n    self.x += 0.1\n    msg = Float32()\n    msg.data = self.goal\n    if self.x < self.goal:\n        self.pub.publish(msg)", SPINS),
     "a sum in one callback": ("self.sum = 0.0\nself.pub = self.create_publisher(Float32, 'out', 10)\nself.create_subscription(Float32, 'in', self.heard, 10)", "def heard(self, msg):\n    self.sum = 0.0\n    self.sum += msg.data\n    self.sum += 1.5\n    self.pub.publish(Float32(data=self.sum))", SPINS),
+    "a message of what is the same for others": (DRIVE + SUB + TIMER + "self.speed = 0.1\nself.cmd = Twist()\nself.cmd.linear.x = self.speed", "def heard(self, msg):\n    self.speed = float(msg.data)\n\ndef tick(self):\n    self.cmd.angular.z = self.speed\n    self.pub.publish(self.cmd)", SPINS),
+    "a message that is filled for others": (DRIVE + SUB + "self.cmd = Twist()", "def heard(self, msg):\n    self.make(self.cmd)\n    self.pub.publish(self.cmd)\n\ndef make(self, cmd):\n    cmd.linear.x = 0.5\n    return cmd", SPINS),
+    "a function of the node that is called as one of Python": (SUB, "def heard(self, msg):\n    sorted(msg)\n\ndef rest(self):\n    pass", f"{SPINS}\n\ndef sorted(words):\n    print(words)"),
     "a timer that ends itself": (SUB, f"{STARTED}def tick(self):\n    self.timer.cancel()", SPINS),
     "a timer in place of the one before": (SUB + "self.timer = None", STARTED.replace("    self", "    if self.timer:\n        self.timer.cancel()\n    self", 1) + ENDED, SPINS),
     "a timer of a node that is not on": (SUB + "self.timer = None", STARTED.replace("    self", "    if msg.data == 'go' and self.timer is None:\n        self", 1) + ENDED, SPINS),
@@ -131,6 +136,9 @@ WRONG = {
     "a publisher of each name": ("made-again", SUB, "def heard(self, msg):\n    topic = f'/{msg.data}/echo'\n    late = self.create_publisher(String, topic, 10)\n    late.publish(msg)", SPINS, "in a dictionary of self under `topic`"),
     "a counter that begins anew": ("begun-anew", PUB + TIMER + "self.count = 0", "def tick(self):\n    self.count = 0\n    self.count += 1\n    self.pub.publish(String(data=str(self.count)))", SPINS, "remove"),
     "a text of what changes": ("computed-once", PUB + TIMER + "self.count = 0\nself.text = f'at {self.count}'", "def tick(self):\n    self.count += 1\n    self.pub.publish(String(data=self.text))", SPINS, "first line of tick()"),
+    "a message of what changes": ("computed-once", DRIVE + SUB + TIMER + "self.speed = 0.1\nself.cmd = Twist()\nself.cmd.linear.x = self.speed", "def heard(self, msg):\n    self.speed = float(msg.data)\n\ndef tick(self):\n    self.pub.publish(self.cmd)", SPINS, "write `self.cmd.linear.x = self.speed` as the first line of tick()"),
+    "a message that nobody takes": ("no-effect", DRIVE + SUB + "self.speed = 0.1", "def heard(self, msg):\n    self.make()\n    self.pub.publish(Twist())\n\ndef make(self):\n    cmd = Twist()\n    cmd.linear.x = self.speed\n    return cmd", SPINS, "use what it returns"),
+    "an order that nobody takes": ("no-effect", SUB, "def heard(self, msg):\n    words = msg.data.split()\n    sorted(words)\n    self.get_logger().info(str(words))", SPINS, "write words = sorted(words)"),
     "a second shutdown": ("shutdown-in-callback", SUB, "def heard(self, msg):\n    self.get_logger().info(msg.data)\n    rclpy.shutdown()", "rclpy.init()\nrclpy.spin(Lamp())\nrclpy.shutdown()", "rclpy.try_shutdown()"),
     "an init twice": ("rclpy-init-twice", SUB, HEARD, f"rclpy.init()\n{SPINS}", "remove"),
 }  # fmt: skip

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from ros2lab.diagnose.code.idle_statements import tried_statements
-from ros2lab.diagnose.code.lost_fillings import is_shared, lost_fillings
+from ros2lab.diagnose.code.left_at_default import PURE, never_read
 from ros2lab.diagnose.finding import Finding, in_a_row
 from ros2lab.diagnose.sources.answered import ACCEPTED, plain_returns, unanswered
-from ros2lab.diagnose.sources.commented_out import disabled
-from ros2lab.diagnose.sources.interfaces import is_interface
+from ros2lab.diagnose.sources.filled import filled_in, kind_of
+from ros2lab.diagnose.sources.liveness import base_of
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.own_functions import called_function
 from ros2lab.diagnose.sources.python_source import (
@@ -18,21 +18,16 @@ from ros2lab.diagnose.sources.python_source import (
     YIELDS,
     Function,
     PythonSource,
-    assigned_to,
     assignments,
-    last_name,
     names_bound,
     own_nodes,
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import calls_in, removal, stores_in
-from ros2lab.diagnose.sources.uses import State, Uses, filled, is_log, own_stores, values_in
+from ros2lab.diagnose.sources.syntax_parts import removal
+from ros2lab.diagnose.sources.uses import State, Uses, own_stores
 
-# Builtins that only compute.
-_PURE = frozenset(
-    ("abs", "bool", "float", "int", "len", "max", "min", "pow", "round", "sorted", "str", "sum")
-)
+_OF_PYTHON = frozenset(("abs", "max", "min", "round", "sorted", "sum"))  # nobody calls them for an error
 
 
 def result_faults(uses: Uses) -> Iterator[Finding]:
@@ -41,8 +36,6 @@ def result_faults(uses: Uses) -> Iterator[Finding]:
         tried = tried_statements(source)
         for owner, _, node in uses.sources.scoped(source):
             if isinstance(node, Function):
-                yield from _never_sent(uses, source, owner, node)
-                yield from lost_fillings(source, node)
                 yield from _lost_locals(uses, source, owner, node)
                 yield from _nothing_returned(uses, source, owner, node)
             elif isinstance(node, ast.Call):
@@ -70,112 +63,10 @@ def _no_answer(
         yield Finding("value-none", cause, source.at(next(plain_returns(method), method)), f"{fix}{more}")
 
 
-def _may_be_message(source: PythonSource, owner: NodeClass | None, given: ast.expr) -> bool:
-    """Return whether an argument of publish() may be a message; `publish-text` reports those that cannot."""
-    if isinstance(given, ast.Name):
-        return True
-    made = assigned_to(walk(owner.definition if owner else source.tree), ast.unparse(given))
-    return any(
-        isinstance(value, ast.Call) and is_interface(source.resolve(value.func)) for value in (given, *made)
-    )
-
-
-def _never_sent(
-    uses: Uses, source: PythonSource, owner: NodeClass | None, function: Function
-) -> Iterator[Finding]:
-    """Yield messages that a function creates and fills but never passes on."""
-    for node in own_nodes(function):
-        match node:
-            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call(func=made)):
-                kind = source.resolve(made)
-            case _:
-                continue
-        if not is_interface(kind):
-            continue
-        fills = [n for n in stores_in(walk(function)) if (dotted(n) or "").startswith(f"{name}.")]
-        if not fills or _is_used(function, name) or not _is_alone(source, function, name):
-            continue
-        calls = [
-            n
-            for n in calls_in(own_nodes(function))
-            if getattr(n.func, "attr", "") == "publish" and len(n.args) == 1
-        ]
-        cause = f"{function.name}() fills {name} but never sends it"
-        if len(calls) == 1 and _may_be_message(source, owner, calls[0].args[0]):
-            given = ast.unparse(calls[0].args[0])
-            kept = _publisher(uses, owner, str(kind))
-            is_filled = any(text.startswith(f"{given}.") for text, _ in filled(function))
-            if is_filled or (kept and kept != ast.unparse(getattr(calls[0].func, "value", calls[0].func))):
-                continue  # another message is sent, and this may be left over
-            fix = f"write {ast.unparse(calls[0].func)}({name})"
-            yield Finding("never-sent", f"{cause}: it publishes {given} instead.", source.at(calls[0]), fix)
-        elif not calls and (publisher := _publisher(uses, owner, str(kind))):
-            line, back = disabled(source.text, [function], rf"\.publish\({name}\)")
-            where = _sending_place(function, node, fills[-1].lineno)
-            fix = back if line else f"write `{publisher}.publish({name})` {where}"
-            yield Finding("never-sent", f"{cause}.", source.at(fills[-1]), fix)
-
-
-def _is_alone(source: PythonSource, function: Function, name: str) -> bool:
-    """Return whether a variable only ever holds new messages or copies, for which no other name stands."""
-    values = values_in(function)
-    bound = [n for n in stores_in(walk(function)) if isinstance(n, ast.Name) and n.id == name]
-    made = [getattr(values.get(id(node)), "func", None) for node in bound]
-    kinds = [source.resolve(called) or "" if called else "" for called in made]
-    return not is_shared(function, name) and all(is_interface(k) or k.startswith("copy.") for k in kinds)
-
-
-def _sending_place(function: Function, made: ast.stmt, filled_at: int) -> str:
-    """Say where a message is sent that is made in a function and filled up to a line: there, or in the loop that waits below."""
-    body = function.body
-    around = next((n for n in body if n.lineno <= filled_at <= (n.end_lineno or n.lineno)), body[-1])
-    if made not in body or isinstance(around, (ast.For, ast.While)):
-        return f"below line {filled_at}, with the same indentation"
-    below = body[body.index(around) + 1 :]
-    loops = [n for n in below if isinstance(n, (ast.For, ast.While))]
-    if waiting := [n for n in loops if any("sleep" in last_name(call.func) for call in calls_in(walk(n)))]:
-        return f"as the first line of the loop on line {waiting[0].lineno}"
-    return f"above line {below[0].lineno}" if below else f"as the last line of {function.name}()"
-
-
-def _is_used(function: Function, name: str) -> bool:
-    """Return whether a function uses a variable for more than filling its fields and logging them."""
-    bases = {id(n.value) for n in walk(function) if isinstance(n, ast.Attribute)}
-    logged = {id(n) for call in own_nodes(function) if is_log(call) for n in walk(call)}
-    whole = [n for n in walk(function) if isinstance(n, ast.Name) and n.id == name and id(n) not in bases]
-    fields = [n for n in _fields(function, name) if id(n) not in logged]
-    contexts = [*(n.ctx for n in whole), *(n.ctx for n in fields)]
-    return any(isinstance(context, ast.Load) for context in contexts)
-
-
-def _fields(function: Function, name: str) -> list[ast.Attribute]:
-    """Return the full attributes of a variable that are read or set, such as `msg.linear.x`."""
-    inner = {id(n.value) for n in walk(function) if isinstance(n, (ast.Attribute, ast.Subscript))}
-    return [
-        n
-        for n in walk(function)
-        if isinstance(n, ast.Attribute) and id(n) not in inner and (dotted(n) or "").startswith(f"{name}.")
-    ]
-
-
-def _publisher(uses: Uses, owner: NodeClass | None, kind: str) -> str:
-    """Return the only attribute of a class that holds a publisher of a type; empty if not just one."""
-    found = {
-        creation.kept
-        for creation in uses.sources.creations
-        if creation.owner is owner and creation.method == "create_publisher"
-        if creation.source.resolve(creation.given("msg_type")) == kind
-    } - {""}
-    return found.pop() if len(found) == 1 else ""
-
-
 def _lost_locals(
     uses: Uses, source: PythonSource, owner: NodeClass | None, function: Function
 ) -> Iterator[Finding]:
-    """Yield local variables that are set and never read, where a global or attribute of that name is read.
-
-    A value that is only fetched is reported, too, if the function sets a single field to the constant 0.
-    """
+    """Yield local variables that are set and never read, where a global or attribute of that name is read."""
     names = [node for node in walk(function) if isinstance(node, ast.Name)]
     of_file = names_bound(target for target, _ in assignments(source.tree.body))
     own = {id(node) for node in names}
@@ -185,11 +76,10 @@ def _lost_locals(
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and id(node) not in own
     }
     kept = State(uses, owner).read & uses.sources.attributes(owner) if owner else frozenset()
-    values = values_in(function)
     given = {id(n): part for to, value in assignments(walk(function)) for n, part in _parts(to, value)}
     # What it sets itself may be kept under this name as well.
     kept -= own_stores(function)
-    for node in _never_read(function, names):
+    for node in never_read(function):
         name, said = node.id, f"{function.name}() sets {node.id}, which is a local variable; "
         if name in kept and not _is_read_only(given.get(id(node)), f"self.{name}"):
             fix = f"write self.{name} instead of {name}"
@@ -198,17 +88,6 @@ def _lost_locals(
         if name in of_file and name in read_elsewhere:
             fix = f"write `global {name}` as the first line of {function.name}()"
             yield Finding("not-kept", f"{said}the global {name} does not change.", source.at(node), fix)
-            return
-        value = values.get(id(node))
-        if owner is None or value is None or function.name == "__init__" or not _is_fetched(value):
-            continue
-        fills = [*filled(function)]
-        zeros = [(t, v) for t, v in fills if isinstance(v, ast.Constant) and v.value == 0]
-        # Nothing else is filled in: so the value was meant for it.
-        if len(zeros) == 1 == len(fills):
-            target, zero = zeros[0]
-            cause = f"{function.name}() computes {name} but never uses it; {target} is always {ast.unparse(zero)}."
-            yield Finding("never-read", cause, source.at(zero), f"write {target} = {name}")
             return
 
 
@@ -234,39 +113,6 @@ def _is_read_only(value: ast.expr | None, name: str) -> bool:
     return value is not None and any(dotted(inner) == name for inner in walk(value))
 
 
-def _never_read(function: Function, names: Sequence[ast.Name]) -> Iterator[ast.Name]:
-    """Yield the assigned variables that a function never reads, nor anything that is bound together with them."""
-    read = {node.id for node in names if isinstance(node.ctx, ast.Load)}
-    read |= {n for node in walk(function) if isinstance(node, (ast.Global, ast.Nonlocal)) for n in node.names}
-    bound = _assigned_together(function)
-    for node in names:
-        is_lost = node.id not in read and not node.id.startswith("_")
-        if is_lost and id(node) in bound and bound[id(node)].isdisjoint(read):
-            yield node
-
-
-def _assigned_together(function: Function) -> dict[int, set[str]]:
-    """Return for each name that an assignment binds, by its `id`, all that the assignment binds.
-
-    What a loop, a `with` or an import binds is left out: it is bound because of the statement, not to be kept.
-    """
-    found = dict[int, set[str]]()
-    for node in walk(function):
-        if isinstance(node, (ast.Assign, ast.AnnAssign, ast.AugAssign)):
-            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-            names = [n for to in targets for n in walk(to) if isinstance(n, ast.Name)]
-            together = {ast.unparse(n) for n in names}
-            found |= {id(n): together for n in names if isinstance(n.ctx, ast.Store)}
-    return found
-
-
-def _is_fetched(value: ast.expr) -> bool:
-    """Return whether an expression only fetches a value; a computed one may be a leftover."""
-    calls = calls_in(walk(value))
-    names = {last_name(call.func) for call in calls}
-    return not isinstance(value, (ast.BinOp, ast.Constant)) and names <= _PURE | {"get_parameter"}
-
-
 def _result_lost(
     uses: Uses, source: PythonSource, owner: NodeClass | None, value: ast.expr
 ) -> Iterator[Finding]:
@@ -276,7 +122,8 @@ def _result_lost(
     called = value.func
     function = called_function(uses.sources, source, owner, called)
     is_other = is_self_attribute(called) and _is_overridden(uses, called.attr)
-    if function is None or is_other or not _only_computes(function):
+    is_pythons = isinstance(called, ast.Name) and called.id in _OF_PYTHON and not source.binders(called)[1]
+    if is_other or not (_only_computes(source, function) if function else is_pythons):
         return
     text = ast.unparse(value)
     given = [ast.unparse(argument) for argument in value.args if dotted(argument) in source.stored]
@@ -313,7 +160,7 @@ def _nothing_returned(
         case ast.Assign(targets=[ast.Name(id=last)]):
             is_computed = True
         case ast.Expr(value=value):
-            is_call = isinstance(value, ast.Call) and getattr(value.func, "id", "") in _PURE
+            is_call = isinstance(value, ast.Call) and getattr(value.func, "id", "") in PURE
             is_computed = is_call or isinstance(value, (ast.BinOp, ast.Compare, ast.JoinedStr))
             last = ast.unparse(value)
         case _:
@@ -363,17 +210,21 @@ def _uses_value(node: ast.AST, name: str, is_method: bool) -> bool:
     return any(isinstance(value, ast.Call) and dotted(value.func) == called for value in values)
 
 
-def _only_computes(function: Function) -> bool:
-    """Return whether a function returns a value and does nothing else."""
+def _only_computes(source: PythonSource, function: Function) -> bool:
+    """Return whether a function returns a value and does nothing else; it may fill a message that it makes."""
     nodes = own_nodes(function)
+    own = [name for name, made in filled_in(source, nodes).items() if not made.others]
     is_returning = any(isinstance(node, ast.Return) and node.value is not None for node in nodes)
     for node in nodes:
-        if isinstance(node, (ast.Attribute, ast.Subscript)) and isinstance(node.ctx, ast.Store):
+        is_set = isinstance(node, (ast.Attribute, ast.Subscript)) and isinstance(node.ctx, ast.Store)
+        if is_set and getattr(base_of(node), "id", "") not in own:
             return False
         if isinstance(node, (ast.Global, ast.Nonlocal, ast.Raise, *PAUSES, ast.Assert)):
             return False
         if isinstance(node, ast.Call) and not (
-            getattr(node.func, "id", "") in _PURE or (dotted(node.func) or "").startswith("math.")
+            getattr(node.func, "id", "") in PURE
+            or (dotted(node.func) or "").startswith("math.")
+            or kind_of(source, node)
         ):
             return False
     return is_returning

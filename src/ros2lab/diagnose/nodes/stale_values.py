@@ -26,21 +26,23 @@ def computed_once(state: State) -> Iterator[Finding]:
     """Yield values that the constructor computes once from what changes later, and callbacks still use."""
     for text in state.stores:
         value = state.initial(text)
-        base = text.rpartition(".")[0]
-        if value is None or (base != "self" and state.initial(base) is None):
+        whole = ".".join(text.split(".")[:2])  # the attribute of which it may be a field
+        if value is None or (whole != text and state.initial(whole) is None):
             continue
         readers = [
             (method, node)
-            for method, node in state.loads.get(text if base == "self" else base, ())
+            for method, node in state.loads.get(whole, ())
             if id(method) in state.uses.callbacks
         ]
-        if not readers or not (makes_text(value) or isinstance(value, ast.BinOp)):
+        is_made = makes_text(value) or isinstance(value, ast.BinOp)
+        is_sent = whole != text and isinstance(value, (ast.Attribute, ast.BinOp))
+        if not readers or not (is_made or is_sent):
             continue
         used = {dotted(node) or "" for node in walk(value) if isinstance(node, ast.Attribute)}
         changed = next(
             ((attribute, by) for attribute in sorted(used) if (by := state.changes(attribute))), None
         )
-        if changed is None or (not makes_text(value) and not _is_shown(readers)):
+        if changed is None or not (is_sent or makes_text(value) or _is_shown(readers)):
             continue
         attribute, by = changed
         if _is_of_use(state, attribute, value):

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterable, Iterator
 
 from ros2lab.diagnose.code.expression_faults import chain_faults, keys_twice
+from ros2lab.diagnose.code.lost_values import lost_values
 from ros2lab.diagnose.code.result_faults import result_faults
 from ros2lab.diagnose.code.shared_objects import shared_objects
 from ros2lab.diagnose.finding import Finding
@@ -34,6 +35,7 @@ def use_faults(sources: NodeSources) -> Iterator[Finding]:
             if isinstance(node, (ast.Module, ast.ClassDef)):
                 yield from _replaced(uses, source, node)
     yield from result_faults(uses)
+    yield from lost_values(uses)
     yield from state_faults(uses)
     yield from shared_objects(uses)
     yield from _parameters_unread(uses)

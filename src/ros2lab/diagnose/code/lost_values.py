@@ -1,0 +1,315 @@
+"""Values that are made or filled in and then reach nobody: one look at what is still read after each statement."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping, Sequence
+
+from ros2lab.diagnose.code.left_at_default import left_at_default, unread_attributes
+from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.sources.commented_out import disabled
+from ros2lab.diagnose.sources.filled import (
+    Fill,
+    Filled,
+    filled_in,
+    is_among,
+    kind_of,
+    sends,
+    statement_of,
+    unset_in,
+)
+from ros2lab.diagnose.sources.liveness import FILL, LOG, live_after
+from ros2lab.diagnose.sources.node_source import NodeClass
+from ros2lab.diagnose.sources.one_run import blocks, in_loops
+from ros2lab.diagnose.sources.python_source import (
+    Function,
+    PythonSource,
+    assignments,
+    last_name,
+    names_read,
+    own_nodes,
+    parameters,
+    walk,
+)
+from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.uses import State, Uses
+
+_READS_ALL = frozenset(("locals", "vars", "exec", "eval"))
+_LEAVES = (ast.Return, ast.Raise, ast.Break, ast.Continue)
+_Sent = ast.Call | ast.Return
+
+
+def lost_values(uses: Uses) -> Iterator[Finding]:
+    """Yield the values that functions make, and the attributes of node classes, that reach nobody."""
+    flows = dict[NodeClass | None, list[Flow]]()
+    kept = {owner: kept_by(owner) for owner in uses.sources.classes.values()}
+    for source in uses.sources.sources.values():
+        for owner, _, node in uses.sources.scoped(source):
+            if isinstance(node, Function) and _READS_ALL.isdisjoint(names_read(own_nodes(node))):
+                flow = Flow(uses, source, owner, node, kept[owner] if owner else {})
+                flows.setdefault(owner, []).append(flow)
+                yield from flow.findings()
+                yield from left_at_default(source, owner, node, flow.unset)
+    for owner in uses.sources.nodes if not uses.named["setattr"] else ():
+        state = State(uses, owner)
+        yield from _never_taken(state, kept[owner], flows.get(owner, ()))
+        objects = [own for flow in flows.get(owner, ()) for own in flow.filled.values()]
+        yield from unread_attributes(state, [*objects, *kept[owner].values()])
+
+
+def kept_by(owner: NodeClass) -> Mapping[str, Filled]:
+    """Return the messages that a class makes and keeps in its attributes."""
+    nodes = [node for function in owner.functions for node in walk(function)]
+    return filled_in(owner.source, nodes, begin="self.")
+
+
+def _never_taken(state: State, kept: Mapping[str, Filled], flows: Sequence[Flow]) -> Iterator[Finding]:
+    """Yield the messages that a class keeps and fills, where it sends another one without any value."""
+    methods = {id(function) for function in state.owner.functions}
+    for made in kept.values():
+        used = [*state.loads.get(made.name, ()), *state.stores.get(made.name, ())]
+        is_own = all(id(use[0]) in methods for use in used) and made.name[5:] not in state.uses.read_of_others
+        if (
+            made.fills
+            and not made.others
+            and not made.sent
+            and is_own
+            and any(map(says_something, made.fills))
+        ):
+            ways = [(flow, way) for flow in flows for way in flow.empty_ones(made.kind)]
+            yield from (
+                ways[0][0].sent_instead(made, [ways[0][1]], state.owner.definition.name)
+                if len(ways) == 1
+                else ()
+            )
+
+
+class Flow:
+    """The way of what a function makes: to whom it goes, and what is read after each statement."""
+
+    def __init__(
+        self,
+        uses: Uses,
+        source: PythonSource,
+        owner: NodeClass | None,
+        function: Function,
+        kept: Mapping[str, Filled],
+    ) -> None:
+        self.uses, self.source, self.owner, self.function = uses, source, owner, function
+        self.nodes = own_nodes(function)
+        self.live = live_after(function)
+        own = {id(node) for node in self.nodes}
+        # What a function inside names, or others may see, is read at times that are not known.
+        inner = (n for n in walk(function) if id(n) not in own)
+        self.open = {node.id for node in inner if isinstance(node, ast.Name)}
+        for node in self.nodes:
+            self.open |= {*node.names} if isinstance(node, (ast.Global, ast.Nonlocal)) else set()
+        filled = filled_in(source, self.nodes, dict(self._answers()))
+        self.filled = {name: made for name, made in filled.items() if name not in self.open}
+        self._known = {**kept, **self.filled}
+        self.unset = [*unset_in(made for made in self.filled.values() if made.made)]
+
+    def _answers(self) -> Iterator[tuple[str, str]]:
+        """Yield the response that ROS gives to the callback of a service, with its type."""
+        names = [parameter.arg for parameter in parameters(self.function)]
+        for creation, function in self.uses.sources.callbacks() if len(names) > 1 else ():
+            kind = self.source.resolve(creation.given("srv_type"))
+            if function is self.function and creation.method == "create_service" and kind:
+                yield names[-1], f"{kind}.Response"
+
+    def findings(self) -> Iterator[Finding]:
+        """Yield what is lost in the function."""
+        for made in self.filled.values():
+            if made.fills and not made.others:
+                yield from self._of_filled(made) if made.sent else self._never_sent(made)
+        yield from self._changed_late()
+
+    def _of_filled(self, made: Filled) -> Iterator[Finding]:
+        """Yield what is filled into an object where no run sends it any more."""
+        lost = [fill for fill in made.fills if made.name not in self.live.get(id(fill.statement), made.name)]
+        first = next(filter(says_something, lost), None)
+        if first and (again := self._made_again(made, first)):
+            cause = (
+                f"{made.name} is created again here, so what line {first.statement.lineno} filled in is lost."
+            )
+            yield Finding("filling-lost", cause, self.source.at(again), "remove this line")
+        elif late := self._filled_late(made, lost):
+            fill, last = late[0].statement, line_of(statement_of(self.source, late[1]))
+            cause = f"`{line_of(fill)}` comes after `{last}`, so it is not in what was sent."
+            fix = f"move `{last}` after the lines that fill {made.name}"
+            yield Finding("filling-lost", cause, self.source.at(fill), fix)
+        elif first:
+            below = self._below(lost[-1].statement)
+            yield from self.sent_instead(
+                made, [way for way in self.empty_ones(made.kind) if way[0] in below][:1]
+            )
+
+    def _made_again(self, made: Filled, fill: Fill) -> ast.stmt | None:
+        """Return the statement that makes an object anew in every run after it is filled."""
+        below, around = self._below(fill.statement), self.source.above(fill.statement)
+        while around is not None:
+            if found := next((n for n in made.made if n in below and self.source.above(n) is around), None):
+                return found
+            around = self.source.above(around)
+        return None
+
+    def _filled_late(self, made: Filled, lost: Sequence[Fill]) -> tuple[Fill, _Sent] | None:
+        """Return a field that first gets a value after its object has been sent, and what sends it."""
+        for fill in lost:
+            before = [sent for sent in made.sent if fill.statement in self._below(sent)]
+            earlier = [f.field for f in made.fills if before and f.statement.lineno <= before[-1].lineno]
+            if before and not is_among(fill.field, earlier):
+                return fill, before[-1]
+        return None
+
+    def _below(self, node: ast.AST, *, is_same_block: bool = False) -> set[ast.AST]:
+        """Return all that may come after a node in its block, and after the blocks around it."""
+        found, inner = set[ast.AST](), statement_of(self.source, node)
+        while inner is not self.function and not isinstance(inner, _LEAVES):
+            outer = self.source.above(inner)
+            block = next((b for b in blocks(outer) if inner in b), []) if outer else []
+            after = block[block.index(inner) + 1 :] if block else []
+            found.update(after if is_same_block else (n for later in after for n in walk(later)))
+            is_end = is_same_block or any(isinstance(later, _LEAVES) for later in after)
+            if is_end or not isinstance(outer, (ast.stmt, ast.ExceptHandler, ast.match_case)):
+                break
+            inner = outer  # type: ignore[assignment]
+        return found
+
+    def empty_ones(self, kind: str) -> list[tuple[_Sent, ast.expr]]:
+        """Return where the function gives others an object of a type without any value in it, and that object."""
+        ways: list[tuple[_Sent, ast.expr]] = [
+            (n, n.args[0]) for n in calls_in(self.nodes) if sends(n) and n.args
+        ]
+        ways += [(n, n.value) for n in self.nodes if isinstance(n, ast.Return) and n.value is not None]
+        return [(node, given) for node, given in ways if self._is_empty(given, kind)]
+
+    def _is_empty(self, given: ast.expr, kind: str) -> bool:
+        if isinstance(given, ast.Call):
+            return kind_of(self.source, given) == kind and not given.args and not given.keywords
+        made = self._known.get(dotted(given) or "")
+        return made is not None and made.kind == kind and made.is_empty
+
+    def _never_sent(self, made: Filled) -> Iterator[Finding]:
+        """Yield what a function fills, and neither sends nor puts anywhere."""
+        fill, cause = made.fills[-1].statement, f"{self.function.name}() fills {made.name}"
+        ways, place = self.empty_ones(made.kind), self.source.at(fill)
+        places = [(own, path) for own, path, kind in self.unset if kind == made.kind and own is not made]
+        if len(ways) == 1 and any(map(says_something, made.fills)):
+            yield from self.sent_instead(made, ways)
+        elif len(places) == 1:
+            ((own, path),) = places
+            fix = f"write `{own.name}.{path} = {made.name}` above line {own.sent[0].lineno}"
+            said = f"{cause} but puts it nowhere: {own.name}.{path} stays at its default."
+            yield Finding("never-sent", said, place, fix)
+        elif made.made and not ways and not places and (way := self._way_out(made)):
+            line, back = disabled(self.source.text, [self.function], rf"\.\w+\({made.name}\)")
+            where = _sending_place(self.function, made.made[0], fill.lineno)
+            fix = back if line else f"write `{way}` {where}"
+            yield Finding("never-sent", f"{cause} but never sends it.", place, fix)
+
+    def sent_instead(
+        self, made: Filled, ways: Sequence[tuple[_Sent, ast.expr]], by: str = ""
+    ) -> Iterator[Finding]:
+        """Yield that others get an empty object where another one of its type is filled, perhaps by a class."""
+        for node, given in ways:
+            is_end, text = isinstance(node, ast.Return), ast.unparse(given)
+            does = "returns" if is_end else "publishes" if "publish" in ast.unparse(node) else "sends"
+            who = f"{by} fills" if by else f"{self.function.name}() fills"
+            where = f"{self.function.name}()" if by else "it"
+            cause = f"{who} {made.name} but never {'returns' if is_end else 'sends'} it: {where} {does} {text} instead."
+            fix = f"write return {made.name}" if is_end else f"write {ast.unparse(node.func)}({made.name})"  # type: ignore[union-attr]
+            yield Finding("never-sent", cause, self.source.at(node), fix)
+
+    def _way_out(self, made: Filled) -> str:
+        """Return the only way in which a class sends an object of a type, if the function sends nothing that way; else empty."""
+        part, given = made.kind.rpartition(".")[2], [p.arg for p in parameters(self.function)]
+        method, of, sent = "create_publisher", "msg_type", "publish"
+        if part == "Request":
+            method, of, sent = "create_client", "srv_type", "call_async"
+        kind = made.kind.removesuffix(".Request")
+        found = {
+            creation.kept
+            for creation in self.uses.sources.creations
+            if creation.owner is self.owner and creation.method == method
+            if creation.source.resolve(creation.given(of)) == kind
+        } - {""}
+        if part == "Feedback" and len(given) == 2:
+            found, sent = {given[1]}, "publish_feedback"
+        is_used = any(last_name(call.func).startswith(sent[:4]) for call in calls_in(self.nodes))
+        return f"{found.pop()}.{sent}({made.name})" if len(found) == 1 and not is_used else ""
+
+    def _changed_late(self) -> Iterator[Finding]:
+        """Yield variables that change when their value is copied already, and nothing reads what they are then."""
+        loops = in_loops(self.function)
+        for statement in (n for n in self.nodes if isinstance(n, (ast.Assign, ast.AugAssign))):
+            targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
+            name = targets[0].id if len(targets) == 1 and isinstance(targets[0], ast.Name) else ""
+            is_lost = {name, LOG + name, FILL + name}.isdisjoint(self.live.get(id(statement), (name,)))
+            if not name or not is_lost or name in self.open or ast.unparse(statement.value) == "None":
+                continue
+            if copied := self._copied(name, statement):
+                cause = f"`{line_of(copied)}` copies {name} before line {statement.lineno} changes it, so what is sent has the value from before."
+                fix = f"move `{line_of(copied)}` below line {self._end_of(statement, copied)}"
+                yield Finding("filling-lost", cause, self.source.at(copied), fix)
+            elif id(statement) not in loops and (begin := self._begun_anew(name, statement)):
+                cause = f"{name} is a local variable, which is {begin} again in each call of {self.function.name}(), so `{line_of(statement)}` has no effect."
+                fix = f"write self.{name} instead of {name} in {self.function.name}(), and move `self.{name} = {begin}` into __init__"
+                yield Finding("not-kept", cause, self.source.at(statement), fix)
+
+    def _copied(self, name: str, statement: ast.stmt) -> ast.stmt | None:
+        """Return what copies a variable into a field of an object that is sent only after a statement."""
+        below = self._below(statement)
+        for own in self.filled.values():
+            is_later = any(node in below for node in own.sent) and not own.others
+            for fill in own.fills if is_later else ():
+                is_copy = fill.value is not None and dotted(fill.value) == name
+                if is_copy and statement in self._below(fill.statement) and fill.statement not in own.made:
+                    return fill.statement
+        return None
+
+    def _end_of(self, statement: ast.stmt, copied: ast.stmt) -> int:
+        """Return the last line of what stands in the block of one statement and contains a later one."""
+        siblings = self._below(copied, is_same_block=True)
+        around = next((n for n in siblings if statement in walk(n)), statement)
+        return getattr(around, "end_lineno", statement.lineno)
+
+    def _begun_anew(self, name: str, statement: ast.stmt) -> str:
+        """Return the number to which a callback sets a variable in each call, if all else it does is to use and to count it."""
+        names = [n for n in self.nodes if isinstance(n, ast.Name) and n.id == name]
+        is_used = any(isinstance(n.ctx, ast.Load) for n in names)
+        is_once = sum(isinstance(n.ctx, ast.Store) for n in names) == 2 and is_used
+        is_counted = isinstance(statement, ast.AugAssign) and isinstance(statement.value, ast.Constant)
+        is_called = self.owner is not None and id(self.function) in self.uses.callbacks
+        for target, value in assignments(self.function.body) if is_once and is_counted and is_called else ():
+            if (
+                dotted(target) == name
+                and isinstance(value, ast.Constant)
+                and isinstance(value.value, (int, float))
+            ):
+                return ast.unparse(value)
+        return ""
+
+
+def says_something(fill: Fill) -> bool:
+    """Return whether what a field gets may differ from its default."""
+    return fill.value is None or ast.unparse(fill.value) not in ("0", "0.0", "False", "''", "[]")
+
+
+def line_of(statement: ast.stmt) -> str:
+    """Return the first line of a statement."""
+    return ast.unparse(statement).splitlines()[0]
+
+
+def _sending_place(function: Function, made: ast.stmt, filled_at: int) -> str:
+    """Say where a message is sent that is made in a function and filled up to a line: there, or in the loop that waits below."""
+    body = function.body
+    around = next((n for n in body if n.lineno <= filled_at <= (n.end_lineno or n.lineno)), body[-1])
+    if made not in body or isinstance(around, (ast.For, ast.While)):
+        return f"below line {filled_at}, with the same indentation"
+    below = body[body.index(around) + 1 :]
+    loops = [n for n in below if isinstance(n, (ast.For, ast.While))]
+    if waiting := [n for n in loops if any("sleep" in last_name(call.func) for call in calls_in(walk(n)))]:
+        return f"as the first line of the loop on line {waiting[0].lineno}"
+    return f"above line {below[0].lineno}" if below else f"as the last line of {function.name}()"
