@@ -98,7 +98,7 @@ RIGHT = {
     "a sum in one callback": ("self.sum = 0.0\nself.pub = self.create_publisher(Float32, 'out', 10)\nself.create_subscription(Float32, 'in', self.heard, 10)", "def heard(self, msg):\n    self.sum = 0.0\n    self.sum += msg.data\n    self.sum += 1.5\n    self.pub.publish(Float32(data=self.sum))", SPINS),
     "a message of what is the same for others": (DRIVE + SUB + TIMER + "self.speed = 0.1\nself.cmd = Twist()\nself.cmd.linear.x = self.speed", "def heard(self, msg):\n    self.speed = float(msg.data)\n\ndef tick(self):\n    self.cmd.angular.z = self.speed\n    self.pub.publish(self.cmd)", SPINS),
     "a message that is filled for others": (DRIVE + SUB + "self.cmd = Twist()", "def heard(self, msg):\n    self.make(self.cmd)\n    self.pub.publish(self.cmd)\n\ndef make(self, cmd):\n    cmd.linear.x = 0.5\n    return cmd", SPINS),
-    "a function of the node that is called as one of Python": (SUB, "def heard(self, msg):\n    sorted(msg)\n\ndef rest(self):\n    pass", f"{SPINS}\n\ndef sorted(words):\n    print(words)"),
+    "a variable that is called as a function of Python": (SUB, "def heard(self, msg):\n    sorted = print\n    sorted(msg.data)", SPINS),
     "a timer that ends itself": (SUB, f"{STARTED}def tick(self):\n    self.timer.cancel()", SPINS),
     "a timer in place of the one before": (SUB + "self.timer = None", STARTED.replace("    self", "    if self.timer:\n        self.timer.cancel()\n    self", 1) + ENDED, SPINS),
     "a timer of a node that is not on": (SUB + "self.timer = None", STARTED.replace("    self", "    if msg.data == 'go' and self.timer is None:\n        self", 1) + ENDED, SPINS),

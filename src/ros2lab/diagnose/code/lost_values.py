@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from ros2lab.diagnose.code.left_at_default import left_at_default, unread_attributes
 from ros2lab.diagnose.finding import Finding
@@ -194,7 +194,8 @@ class Flow:
     def _never_sent(self, made: Filled) -> Iterator[Finding]:
         """Yield what a function fills, and neither sends nor puts anywhere."""
         fill, cause = made.fills[-1].statement, f"{self.function.name}() fills {made.name}"
-        ways, place = self.empty_ones(made.kind), self.source.at(fill)
+        place, senders = self.source.at(fill), self._senders(made.kind)
+        ways = self.empty_ones(made.kind) or self._handed_on(senders)
         places = [(own, path) for own, path, kind in self.unset if kind == made.kind and own is not made]
         if len(ways) == 1 and any(map(says_something, made.fills)):
             yield from self.sent_instead(made, ways)
@@ -203,11 +204,20 @@ class Flow:
             fix = f"write `{own.name}.{path} = {made.name}` above line {own.sent[0].lineno}"
             said = f"{cause} but puts it nowhere: {own.name}.{path} stays at its default."
             yield Finding("never-sent", said, place, fix)
-        elif made.made and not ways and not places and (way := self._way_out(made)):
+        elif made.made and not ways and not places and len(senders) == 1:
+            way = f"{senders.pop()}({made.name})"
             line, back = disabled(self.source.text, [self.function], rf"\.\w+\({made.name}\)")
             where = _sending_place(self.function, made.made[0], fill.lineno)
             fix = back if line else f"write `{way}` {where}"
-            yield Finding("never-sent", f"{cause} but never sends it.", place, fix)
+            if not any(sends(call) for call in calls_in(self.nodes)):
+                yield Finding("never-sent", f"{cause} but never sends it.", place, fix)
+
+    def _handed_on(self, senders: Collection[str]) -> list[tuple[_Sent, ast.expr]]:
+        """Return where the function sends what it was given, as it is, by the way of an object that it fills."""
+        set_here = {(dotted(target) or "").partition(".")[0] for target, _ in assignments(self.nodes)}
+        given = {parameter.arg for parameter in parameters(self.function)} - set_here
+        calls = [n for n in calls_in(self.nodes) if ast.unparse(n.func) in senders and n.args]
+        return [(call, call.args[0]) for call in calls if dotted(call.args[0]) in given]
 
     def sent_instead(
         self, made: Filled, ways: Sequence[tuple[_Sent, ast.expr]], by: str = ""
@@ -222,23 +232,21 @@ class Flow:
             fix = f"write return {made.name}" if is_end else f"write {ast.unparse(node.func)}({made.name})"  # type: ignore[union-attr]
             yield Finding("never-sent", cause, self.source.at(node), fix)
 
-    def _way_out(self, made: Filled) -> str:
-        """Return the only way in which a class sends an object of a type, if the function sends nothing that way; else empty."""
-        part, given = made.kind.rpartition(".")[2], [p.arg for p in parameters(self.function)]
-        method, of, sent = "create_publisher", "msg_type", "publish"
+    def _senders(self, kind: str) -> set[str]:
+        """Return what sends objects of a type, such as `self.pub.publish`: of the class, or of a goal that is executed."""
+        whole, _, part = kind.rpartition(".")
+        method, of, sends_it = "create_publisher", "msg_type", "publish"
         if part == "Request":
-            method, of, sent = "create_client", "srv_type", "call_async"
-        kind = made.kind.removesuffix(".Request")
-        found = {
-            creation.kept
+            method, of, sends_it, kind = "create_client", "srv_type", "call_async", whole
+        given = [parameter.arg for parameter in parameters(self.function)]
+        if part == "Feedback":
+            return {f"{given[1]}.publish_feedback"} if len(given) == 2 else set()
+        return {
+            f"{creation.kept}.{sends_it}"
             for creation in self.uses.sources.creations
-            if creation.owner is self.owner and creation.method == method
+            if creation.owner is self.owner and creation.method == method and creation.kept
             if creation.source.resolve(creation.given(of)) == kind
-        } - {""}
-        if part == "Feedback" and len(given) == 2:
-            found, sent = {given[1]}, "publish_feedback"
-        is_used = any(last_name(call.func).startswith(sent[:4]) for call in calls_in(self.nodes))
-        return f"{found.pop()}.{sent}({made.name})" if len(found) == 1 and not is_used else ""
+        }
 
     def _changed_late(self) -> Iterator[Finding]:
         """Yield variables that change when their value is copied already, and nothing reads what they are then."""

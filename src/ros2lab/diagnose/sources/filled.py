@@ -108,17 +108,19 @@ def filled_in(
     foreign = set[str]()
     for target, value in assignments(nodes):
         name, kind = dotted(target) or "", kind_of(source, value)
-        if name and name.startswith(begin) and name.count(".") == begin.count("."):
-            own = found.setdefault(name, Filled(name, kind))
-            statement = source.above(target)
-            is_alone = len(getattr(statement, "targets", [target])) == 1
-            foreign |= set() if kind and own.kind == kind and is_alone else {name}
-            if isinstance(value, ast.Call) and isinstance(statement, ast.stmt):
-                own.made.append(statement)
-                keywords = [(keyword.arg or "", keyword.value) for keyword in value.keywords]
-                given_now = [*keywords, *(("", item) for item in value.args)]
-                own.fills += [Fill(f"{name}.{key}", statement, item) for key, item in given_now]
-    found = {name: own for name, own in found.items() if name not in foreign}
+        if not name.startswith(begin) or name.count(".") != begin.count(".") or not name:
+            continue
+        own, statement = found.setdefault(name, Filled(name, "")), statement_of(source, target)
+        own.kind = own.kind or kind
+        is_copy = isinstance(value, ast.Call) and (source.resolve(value.func) or "").startswith("copy.")
+        is_alone = len(getattr(statement, "targets", [target])) == 1
+        foreign |= set() if is_alone and (is_copy or kind == own.kind != "") else {name}
+        own.made.append(statement)
+        if isinstance(value, ast.Call):
+            keywords = [(f"{name}.{keyword.arg}", keyword.value) for keyword in value.keywords]
+            whole = [(name, item) for item in value.args]
+            own.fills += [Fill(key, statement, item) for key, item in (*keywords, *whole)]
+    found = {name: own for name, own in found.items() if name not in foreign and own.kind}
     for node in nodes:
         used = found.get(dotted(node) or "") if isinstance(node, (ast.Name, ast.Attribute)) else None
         if used is not None and isinstance(node, ast.expr):
