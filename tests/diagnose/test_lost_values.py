@@ -83,7 +83,7 @@ LOST = [
     ({"on": "response.success = True\nresponse.message = 'on'\nreturn SetBool.Response()"}, "never-sent: on() fills response but never returns it: it returns SetBool.Response() instead. write return response"),
     ({"on": "answer = SetBool.Response()\nresponse.success = request.data\nreturn answer"}, "it returns answer instead. write return response"),
     ({"on": "answer = SetBool.Response(success=True)\nreturn response"}, "on() fills answer but never returns it: it returns response instead."),
-    ({"on": "if request.data:\n    response.success = True\n    return response\nresponse.message = 'no'\nreturn SetBool.Response()"}, "on() fills response but never returns it: it returns SetBool.Response() instead."),
+    ({"on": "if request.data:\n    response.success = True\n    return response\nresponse.message = 'no'\nreturn SetBool.Response()"}, "What on() fills into response above does not go out: it returns SetBool.Response() here instead. write return response"),
     ({"look": "result = LookupTransform.Result()\nresult.error.error_string = 'x'\ngoal_handle.succeed()\nreturn LookupTransform.Result()"}, "write return result"),
     ({"tick": "request = AddTwoInts.Request()\nrequest.a = 1\nself.future = self.cli.call_async(AddTwoInts.Request())"}, "it sends AddTwoInts.Request() instead. write self.cli.call_async(request)"),
     ({"tick": f"{FULL}self.pub.publish(Twist())"}, "it publishes Twist() instead. write self.pub.publish(msg)"),

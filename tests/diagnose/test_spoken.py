@@ -22,7 +22,7 @@ from ros2lab.trial.given import GivenRun
 from ros2lab.trial.moving import still_moving
 from ros2lab.trial.rivals import rival_faults, told_of_rivals
 from ros2lab.trial.seen import Seen, seen_faults
-from ros2lab.trial.spoken import Said, Sent, content, rhythm
+from ros2lab.trial.spoken import Said, Sent, content, rhythm, unstamped
 from ros2lab.trial.story import told_of
 
 NUMBER, BOOL = "std_msgs/msg/Float64", "std_msgs/msg/Bool"
@@ -50,6 +50,39 @@ def test_a_text_that_is_cut_is_quoted_as_one() -> None:
         f", with data = '{('humidity 1.0 %, ' * 9)[:57]}...'",
         False,
     )
+
+
+def stamped(*seconds: int, kind: str = "") -> list[dict[str, Any]]:
+    headers = [{"header": {"stamp": {"sec": s, "nanosec": 0}, "frame_id": "map"}, "x": 1.0} for s in seconds]
+    return [{kind: [header]} for header in headers] if kind else headers
+
+
+@pytest.mark.parametrize(
+    ("values", "is_told"),
+    [
+        (stamped(0, 0, 0), True),
+        (stamped(0, 0, 0, kind="transforms"), True),
+        (stamped(0, 1, 2), False),  # the clock began at 0
+        (stamped(0, 0), False),
+        ([{"data": "a"}] * 3, False),
+        ([{"transforms": []}] * 3, False),
+        ([{"header": None}] * 3, False),
+        ([{}, None, {"header": {"stamp": None}}], False),
+    ],
+)
+def test_a_stamp_that_stays_at_its_default_is_told(values: Sequence[Any], is_told: bool) -> None:
+    assert bool(unstamped(values)) is is_told
+
+
+@pytest.mark.parametrize(("seconds", "is_told"), [((0, 0, 0), True), ((1, 2, 3), False)])
+def test_of_what_a_program_published_its_stamps_are_told(
+    tmp_path: Path, seconds: Sequence[int], is_told: bool
+) -> None:
+    kind = "geometry_msgs/msg/PointStamped"
+    heard = Heard(kind, "/status_publisher", [0.5, 1.0, 1.5], stamped(*seconds), 3)
+    run = run_of("status_publisher", "/point", kind, heard)
+    seen = Seen(Look(right_workspace().write(tmp_path)), assignments.load(), [run], [])
+    assert ("0 as the stamp in its header" in told_of(seen, run, frozenset())) is is_told
 
 
 def side(last: float, *bounds: float) -> record.Side:

@@ -26,7 +26,7 @@ from typing import Any
 
 ENDING = ".sent"
 _NAME, _MODULE, _METHOD = "ros2lab_sent", "rclpy.publisher", "publish"
-_ITEMS, _DEPTH, _TEXT, _KEPT = 12, 5, 120, 500
+_ITEMS, _DEPTH, _TEXT, _KEPT = 12, 6, 120, 500
 
 
 class _Sent:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -17,6 +17,7 @@ from ros2lab.trial.contents import leaves_of
 from ros2lab.trial.sender import ENDING
 
 MOST_SHOWN, LONGEST = 3, 60  # fields and values; letters
+_NO_TIME = {"sec": 0, "nanosec": 0}
 LEAST_EVEN, UNEVEN = 3, 0.4  # messages of a rhythm; what its gaps may differ by, as a share of their mean
 
 
@@ -99,6 +100,22 @@ def content(values: Sequence[Any]) -> tuple[str, bool]:
     if not found:
         return "", False
     return f", {each}with {fields_of(held)}" if held else f", {each}zero, false or empty", False
+
+
+def unstamped(values: Sequence[Any]) -> str:
+    """Say of messages with headers that the stamp of each is 0, its default; empty if one is not, or if they are few."""
+    stamps = [*chain.from_iterable(map(_stamps, values))]
+    is_told = len(values) >= LEAST_EVEN and stamps and all(stamp == _NO_TIME for stamp in stamps)
+    return ", each with 0 as the stamp in its header, as if nothing sets it" if is_told else ""
+
+
+def _stamps(value: Any) -> Iterator[Any]:
+    """Yield the stamps in the header of a message, or in those of the messages that it lists."""
+    if isinstance(value, dict) and isinstance(value.get("header"), dict):
+        yield value["header"].get("stamp")
+    elif isinstance(value, dict):
+        listed = (inner for inner in value.values() if isinstance(inner, list))
+        yield from chain.from_iterable(map(_stamps, chain.from_iterable(listed)))
 
 
 def counted(count: int, what: str = "message") -> str:

@@ -14,7 +14,7 @@ from ros2lab.every_node import HIDDEN_TOPICS, OF_MANAGED
 from ros2lab.grading.evidence import Run
 from ros2lab.grading.judging.player import finds_no_keyboard
 from ros2lab.trial.ends import lacks_arguments, word_that_ended
-from ros2lab.trial.spoken import LEAST_EVEN, Sent, content, counted, even_gap, rhythm
+from ros2lab.trial.spoken import LEAST_EVEN, Sent, content, counted, even_gap, rhythm, unstamped
 from ros2lab.trial.unmade import unmade_notes
 
 if TYPE_CHECKING:
@@ -171,9 +171,8 @@ def _unasked(seen: Seen, run: Run) -> str:
 
 def _published(seen: Seen, run: Run, topic: str, sent: Sent) -> str:
     """Say how many messages a program published on a topic, in which rhythm, and with which content."""
-    return (
-        f"published {counted(sent.count)} on {topic}{pace_of(seen, run, topic)[1]}{content(sent.values)[0]}"
-    )
+    pace, what = pace_of(seen, run, topic)[1], content(sent.values)[0]
+    return f"published {counted(sent.count)} on {topic}{pace}{what}{unstamped(sent.values)}"
 
 
 def pace_of(seen: Seen, run: Run, topic: str) -> tuple[float, str]:

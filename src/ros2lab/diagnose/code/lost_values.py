@@ -70,19 +70,11 @@ def _never_taken(state: State, kept: Mapping[str, Filled], flows: Sequence[Flow]
     for made in kept.values():
         used = [*state.loads.get(made.name, ()), *state.stores.get(made.name, ())]
         is_own = all(id(use[0]) in methods for use in used) and made.name[5:] not in state.uses.read_of_others
-        if (
-            made.fills
-            and not made.others
-            and not made.sent
-            and is_own
-            and any(map(says_something, made.fills))
-        ):
-            ways = [(flow, way) for flow in flows for way in flow.empty_ones(made.kind)]
-            yield from (
-                ways[0][0].sent_instead(made, [ways[0][1]], state.owner.definition.name)
-                if len(ways) == 1
-                else ()
-            )
+        ways = [(flow, way) for flow in flows for way in flow.empty_ones(made.kind)]
+        is_lost = any(map(says_something, made.fills)) and not made.others and not made.sent
+        if is_lost and is_own and len(ways) == 1:
+            flow, (node, given) = ways[0]
+            yield flow.sent_instead(made, node, given, state.owner.definition.name)
 
 
 class Flow:
@@ -141,9 +133,8 @@ class Flow:
             yield Finding("filling-lost", cause, self.source.at(fill), fix)
         elif first:
             below = self._below(lost[-1].statement)
-            yield from self.sent_instead(
-                made, [way for way in self.empty_ones(made.kind) if way[0] in below][:1]
-            )
+            ways = [way for way in self.empty_ones(made.kind) if way[0] in below]
+            yield from (self.sent_instead(made, *way) for way in ways[:1])
 
     def _made_again(self, made: Filled, fill: Fill) -> ast.stmt | None:
         """Return the statement that makes an object anew in every run after it is filled."""
@@ -198,7 +189,7 @@ class Flow:
         ways = self.empty_ones(made.kind) or self._handed_on(senders)
         places = [(own, path) for own, path, kind in self.unset if kind == made.kind and own is not made]
         if len(ways) == 1 and any(map(says_something, made.fills)):
-            yield from self.sent_instead(made, ways)
+            yield self.sent_instead(made, *ways[0])
         elif len(places) == 1:
             ((own, path),) = places
             fix = f"write `{own.name}.{path} = {made.name}` above line {own.sent[0].lineno}"
@@ -219,18 +210,16 @@ class Flow:
         calls = [n for n in calls_in(self.nodes) if ast.unparse(n.func) in senders and n.args]
         return [(call, call.args[0]) for call in calls if dotted(call.args[0]) in given]
 
-    def sent_instead(
-        self, made: Filled, ways: Sequence[tuple[_Sent, ast.expr]], by: str = ""
-    ) -> Iterator[Finding]:
-        """Yield that others get an empty object where another one of its type is filled, perhaps by a class."""
-        for node, given in ways:
-            is_end, text = isinstance(node, ast.Return), ast.unparse(given)
-            does = "returns" if is_end else "publishes" if "publish" in ast.unparse(node) else "sends"
-            who = f"{by} fills" if by else f"{self.function.name}() fills"
-            where = f"{self.function.name}()" if by else "it"
-            cause = f"{who} {made.name} but never {'returns' if is_end else 'sends'} it: {where} {does} {text} instead."
-            fix = f"write return {made.name}" if is_end else f"write {ast.unparse(node.func)}({made.name})"  # type: ignore[union-attr]
-            yield Finding("never-sent", cause, self.source.at(node), fix)
+    def sent_instead(self, made: Filled, node: _Sent, given: ast.expr, by: str = "") -> Finding:
+        """Tell that others get an empty object where another one of its type is filled, perhaps by a class."""
+        is_end, text = isinstance(node, ast.Return), ast.unparse(given)
+        does = "returns" if is_end else "publishes" if "publish" in ast.unparse(node) else "sends"
+        who, where = (by, f"{self.function.name}()") if by else (f"{self.function.name}()", "it")
+        cause = f"{who} fills {made.name} but never {'returns' if is_end else 'sends'} it: {where} {does} {text} instead."
+        if made.sent:
+            cause = f"What {who} fills into {made.name} above does not go out: it {does} {text} here instead."
+        fix = f"write return {made.name}" if is_end else f"write {ast.unparse(node.func)}({made.name})"  # type: ignore[union-attr]
+        return Finding("never-sent", cause, self.source.at(node), fix)
 
     def _senders(self, kind: str) -> set[str]:
         """Return what sends objects of a type, such as `self.pub.publish`: of the class, or of a goal that is executed."""
