@@ -60,7 +60,7 @@ def test_a_node_that_was_not_sent_its_event_is_not_wrong(
     tmp_path: Path, heard: str, step: str, *, is_told: bool, story: str
 ) -> None:
     files = right_workspace().put("listener", DOOR.replace("HEARD", heard).replace("STEP", step))
-    root = files.write(tmp_path)
+    root = files.only("listener").write(tmp_path)
     build(root)
     trial = try_out(root)
     silent = [one for one in trial.findings if one.code == "publishes-nothing"]

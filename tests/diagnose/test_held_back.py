@@ -306,7 +306,7 @@ def test_a_real_node_that_never_begins_is_told_with_its_reason(tmp_path: Path) -
         "        msg = String()\n",
         "        self.warm = 0\n        self.warm += 1\n        if self.warm < 3:\n            return\n        msg = String()\n",
     )
-    root = files.write(tmp_path)
+    root = files.only("node").write(tmp_path)
     build(root)
     found = [one for one in try_out(root).findings if one.code == "publishes-nothing"]
     assert len(found) == 1

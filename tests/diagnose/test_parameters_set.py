@@ -73,7 +73,7 @@ def said(
 
 
 def written(tmp_path: Path, init: str = TIMER, used: str = USED, method: str = "") -> Path:
-    files = right_workspace().change("driver", READ, used).change("driver", TIMER, init)
+    files = right_workspace().only("driver").change("driver", READ, used).change("driver", TIMER, init)
     return files.change("driver", "\n    def timer_callback", f"{method}\n    def timer_callback").write(
         tmp_path
     )

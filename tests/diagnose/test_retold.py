@@ -48,7 +48,7 @@ def test_what_a_known_fault_explains_is_not_told_again(
 
 def test_a_real_run_tells_a_cause_once_and_what_the_nodes_did(tmp_path: Path) -> None:
     files = right_workspace().change("node", TIMER, "")
-    root = files.write(tmp_path)
+    root = files.only("node").write(tmp_path)
     build(root)
     done = run("--run", folder=root)
     assert done.stdout.count("never-called:") == 1
@@ -60,7 +60,7 @@ def test_a_real_run_tells_a_cause_once_and_what_the_nodes_did(tmp_path: Path) ->
 def test_what_ran_is_not_said_to_run_never(tmp_path: Path) -> None:
     """Of what reading has found, a real run takes back what it contradicts."""
     more = "        self.timer = self.create_timer(0.5, self.timer_callback)\n\n    def unused(self):\n        self.count = 0\n"
-    root = right_workspace().change("node", TIMER, more).write(tmp_path)
+    root = right_workspace().only("node").change("node", TIMER, more).write(tmp_path)
     build(root)
     read = [
         Finding("never-called", f"{text} is never called.", place, "call it", never=(place,))

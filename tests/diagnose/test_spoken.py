@@ -355,7 +355,7 @@ def with_relay_and_limit() -> Files:
 
 def test_real_nodes_are_run_until_a_number_has_come_to_its_limit(tmp_path: Path) -> None:
     """What only comes after many messages of another node is seen; what does not come by then is not told."""
-    root = with_relay_and_limit().write(tmp_path)
+    root = with_relay_and_limit().only("node", "listener").write(tmp_path)
     build(root)
     trial = try_out(root)
     assert not trial.findings, trial

@@ -112,7 +112,7 @@ def test_each_start_is_told_with_what_it_did_itself(tmp_path: Path) -> None:
     files.change(
         "launch/robot.launch.py", NODE, node + node.replace("executable", "namespace='r2', executable")
     )
-    root = files.write(tmp_path)
+    root = files.only("driver").write(tmp_path)
     build(root)
     story = try_out(root).story
     told = {line.partition(" published")[0]: line for line in story if line.startswith("velocity_publisher")}

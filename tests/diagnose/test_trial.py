@@ -579,6 +579,6 @@ def test_nodes_are_run_as_their_launch_file_starts_them(tmp_path: Path) -> None:
         "parameters=[config]",
         "namespace='base', parameters=[config, {'speed': 30.0}]",
     )
-    root = files.write(tmp_path)
+    root = files.only("listener", "driver").write(tmp_path)
     build(root)
     assert [finding.code for finding in try_out(root).findings] == ["topic-near-miss", "speed-implausible"]

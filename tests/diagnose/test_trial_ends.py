@@ -120,7 +120,7 @@ def test_a_real_callback_that_fails_at_another_nodes_message_is_told_with_its_li
         "        except AttributeError:\n            self.total = 1 + msg\n\n"
         "    def command_callback(self, msg):",
     )
-    root = files.write(tmp_path)
+    root = files.only("node", "listener").write(tmp_path)
     build(root)
     (found,) = try_out(root).findings
     line = next(n for n, text in enumerate(found_text(root), 1) if "self.sum + 1" in text)

@@ -196,7 +196,7 @@ def test_what_is_switched_off_among_others_is_only_noted(tmp_path: Path) -> None
 
 
 def test_a_real_managed_node_publishes_after_the_fix(tmp_path: Path) -> None:
-    root = managed().write(tmp_path)
+    root = managed().only("node").write(tmp_path)
     build(root)
     (found,) = [f for f in try_out(root).findings if f.code == "never-activated"]
     steps = re.findall(r"`(node\.\w+\(\))`", found.fix)

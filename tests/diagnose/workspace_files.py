@@ -298,6 +298,17 @@ class Files:
         del self.texts[self.path(name)]
         return self
 
+    def only(self, *kept: str) -> Files:
+        """Take the other nodes away, with their executables: each program that is run takes seconds."""
+        names = self.names
+        for name, module in (("node", names.module), ("listener", names.listener), ("driver", names.driver)):
+            if name not in kept:
+                self.remove(name)
+                for path in {self.path("setup.py"), self.path("launch/robot.launch.py")} & self.texts.keys():
+                    lines = self.texts[path].splitlines(keepends=True)
+                    self.texts[path] = "".join(line for line in lines if f"'{module}" not in line)
+        return self
+
     def launch_by(self, name: str) -> Files:
         """Start the nodes by a launch file in YAML or in XML, as its name ends, instead of the one in Python."""
         self.remove("launch/robot.launch.py").put(name, LAUNCH_XML if name.endswith("xml") else LAUNCH_YAML)
