@@ -300,7 +300,7 @@ def _notes_of_runs(case: Case) -> Iterator[str]:
     for note, those in watched.items():
         yield f"{'; '.join(dict.fromkeys(those))}: {shown(note, LONGEST_FAULT)}"
     for run in runs:
-        yield from _notes_of(run, brief, part)
+        yield from _notes_of(case, run, brief)
         for topic, types in run.torn.items():
             yield f"Nodes use {shown(topic)} with several types, {listed(types)}: what has one receives nothing from what has another."
         if part and run.commands and run.commanded != part.topic and run.commanded in run.subscribes:
@@ -336,13 +336,13 @@ def _unwritten(case: Case, player: Player) -> Iterator[str]:
         )
 
 
-def _notes_of(run: Run, brief: Collection[str], part: Part | None) -> Iterator[str]:
+def _notes_of(case: Case, run: Run, brief: Collection[str]) -> Iterator[str]:
     """Yield what was done differently than usual in a run.
 
     Args:
+        case: the evidence.
         run: the run.
         brief: the programs that end by themselves.
-        part: the part that takes commands; None if none does.
     """
     who = shown(", ".join(run.programs))
     if run.refused:
@@ -355,10 +355,10 @@ def _notes_of(run: Run, brief: Collection[str], part: Part | None) -> Iterator[s
         if run.setting == "together" and name in run.early and name not in brief:
             by_itself, after = ("", " before any command, and was not seen to end alone")
         elif deadly is not None and name not in brief:
-            by_itself, after = ("", f" after {_published(deadly.text, part)}")
+            by_itself, after = ("", f" after {_published(deadly.text, case.assignment.commanded)}")
         how = (
             f"{by_itself}for want of what is not here"
-            if is_for_want(end)
+            if is_for_want(end, case.executables.get(name), case.evidence.files)
             else ended(end, f"{by_itself}with", is_done=name in run.done)
         )
         if run.setting == "launched" and is_shut_down(end):

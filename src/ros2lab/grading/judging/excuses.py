@@ -147,7 +147,7 @@ def _why(case: Case, part: Part, players: Sequence[Player]) -> Excuse:
     """
     # A program that ends with an error of its own, or does something, is not waiting for anything.
     is_mute = not any(player.is_heard for player in players)
-    is_mute &= all(player.end is None or is_for_want(player.end) for player in players)
+    is_mute &= all(player.end is None or _is_for_want(player) for player in players)
     needs = (_needs(case, part, player, is_mute=is_mute) for player in players)
     if need := next(filter(None, needs), ""):
         return Excuse(need)
@@ -196,10 +196,21 @@ def _needs(case: Case, part: Part, player: Player, *, is_mute: bool) -> str:
     is_called_back = part.end != "publisher"
     if program is None or program.is_brief or (is_called_back and program.never_spins):
         return ""
-    absent = [*_absent(case, program), *lacked(said)]
-    if not absent or not (is_mute or is_for_want(said)):  # a program may print anything
+    absent = [*_absent(case, program), *lacked(said, program, case.evidence.files)]
+    if not absent or not (is_mute or _is_for_want(player)):  # a program may print anything
         return ""
     return f"{player.program} needs {', '.join(absent)}, not there where it is graded"
+
+
+def _is_for_want(player: Player) -> bool:
+    """Return whether a player's program ended for want of something that is not here.
+
+    What only an unknown word makes it ask a machine for, it could do without.
+    """
+    said, known = player.end or "", player.part.commands
+    is_unknown = player.last_command is not None and player.last_command.text not in known
+    has_lived = any(command.is_alive and command.text in known for command in player.run.commands)
+    return is_for_want(said) and not (is_unknown and has_lived and lacked(said))
 
 
 def _unwatched(case: Case, part: Part) -> str:

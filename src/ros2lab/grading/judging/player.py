@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import builtins
 import itertools
 import re
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
+from pathlib import PurePosixPath
 from typing import Literal
 
 from ros2lab.assignments import Assignment, Part
 from ros2lab.grading.evidence import (
     DOCUMENTED,
     GIVEN,
+    KEYBOARD,
     CommandSeen,
+    Executable,
+    Files,
     Heard,
     Run,
     ServiceCall,
@@ -26,26 +31,31 @@ _PERIOD = re.compile(
     r"period|interval|timer|cycle|delay|every|dt\b|tick|time_?step|(publish|update|loop|wait|sleep)\w*_?time|seconds?\b|(^|_)sec(s)?($|_)",
     re.IGNORECASE,
 )
-# The last line of a program that finds no keyboard; other readers, such as pickle, say more after EOFError.
-_NO_KEYBOARD = re.compile(
-    r"^EOFError(?:: EOF when reading a line)?\s*$|\btermios\.error\b|Inappropriate ioctl for device|\bcurses\.error\b"
-)
-_FRAME = re.compile(r'\s*File "([^"]*)", line \d')
-_RAISES = re.compile(r"\braise\b")
-_TEXT = re.compile(r"\"[^\"]*\"|'[^']*'")
+_NOTHING_HERE = NotInstalledHere.__name__
 _ERROR = r"^[\w.]*(?:Error|Exception|gaierror)\b.*"
 # The error that ends a program on a machine without this resource.
 _LACKED = {
-    "a device": re.compile(rf"{_ERROR}(?<![\w.-])/(?:dev|sys)/", re.MULTILINE),
+    "a device": re.compile(rf"{_ERROR}(?<![\w.-])/(?:dev|sys)/"),
     "a network": re.compile(
-        rf"{_ERROR}(?:Connection refused|Network is unreachable|No route to host|in name resolution|service not known)",
-        re.MULTILINE,
+        rf"{_ERROR}(?:Connection refused|Network is unreachable|No route to host|in name resolution|service not known)"
     ),
     "a display": re.compile(
-        rf"{_ERROR}no display name|(?:cannot|could not|unable to) (?:connect to|open) (?:X server|display)\b",
-        re.MULTILINE | re.IGNORECASE,
+        rf"{_ERROR}no display name|(?i:cannot|could not|unable to) (?i:connect to|open) (?i:X server|display)\b"
     ),
 }
+_WANTS = {
+    _NOTHING_HERE: re.compile(_NOTHING_HERE),
+    # Other readers, such as pickle, say more after EOFError.
+    KEYBOARD: re.compile(
+        r"^EOFError(?:: EOF when reading a line)?\s*$|\btermios\.error\b|Inappropriate ioctl for device|\bcurses\.error\b"
+    ),
+    **_LACKED,
+}
+_HEADER = "Traceback (most recent call last)"
+_FRAME = re.compile(r'\s*File "([^"]*)", line \d')
+_RAISES = re.compile(r"\braise\b")
+_TEXT = re.compile(r"\"[^\"]*\"|'[^']*'")
+_KIND = re.compile(rf"([\w.]+)(?:: (?P<only>{_NOTHING_HERE})?|$)")
 PLAIN_SETTINGS = ("alone", "together", "launched", DOCUMENTED, GIVEN)  # all others name a changed parameter
 STAND_IN = "std_msgs/msg/Empty"  # the base class of the stand-in for a message that is not installed here
 
@@ -58,29 +68,67 @@ def is_timers(name: str) -> bool:
     return bool(RATE.search(name) or _PERIOD.search(name))
 
 
-def is_for_want(said: str) -> bool:
-    """Return whether a program's last output is an error caused only by what the grading machine lacks."""
-    return NotInstalledHere.__name__ in said or finds_no_keyboard(said) or bool(lacked(said))
+def is_for_want(said: str, program: Executable | None = None, files: Files | None = None) -> bool:
+    """Return whether a program's last output is an error caused only by what the grading machine lacks; see `wants`."""
+    return bool(wants(said, program, files))
 
 
 def finds_no_keyboard(said: str) -> bool:
-    """Return whether a program's last output holds the error of reading a keyboard that is not there.
+    """Return whether a program's last output holds the error of reading a keyboard that is not there."""
+    return KEYBOARD in wants(said)
 
-    An error that the submission raises itself does not count, whatever its name.
+
+def lacked(said: str, program: Executable | None = None, files: Files | None = None) -> list[str]:
+    """Return which resources the grading machine lacks; see `wants`."""
+    return [want for want in wants(said, program, files) if want in _LACKED]
+
+
+def wants(said: str, program: Executable | None = None, files: Files | None = None) -> list[str]:
+    """Return what the grading machine lacks, by the errors in a program's last output and by their causes.
+
+    An error that the submission itself raises says nothing about the machine, nor does what a program prints that
+    catches no error; one that is not given may catch any.
     """
-    file, source = "", ""  # of the frame in which the error was raised
-    lines = said.splitlines()
-    for line, following in zip(lines, [*lines[1:], ""], strict=False):
-        if place := _FRAME.match(line):
-            file, source = place[1], _TEXT.sub("", following)
-        elif _NO_KEYBOARD.search(line) and not (file.startswith(f"{FILES}/") and _RAISES.search(source)):
-            return True
-    return False
+    told = {
+        (want, bool(file)) for line, file, source in _errors(said) for want in _wants_of(line, file, source)
+    }
+    is_believed = not any((want, False) in told for want in _LACKED) or _catches(program, files)
+    sure = {want for want, has_frames in told if has_frames or is_believed or want not in _LACKED}
+    return [want for want in _WANTS if want in sure]
 
 
-def lacked(said: str) -> list[str]:
-    """Return which resources the grading machine lacks, by the error that ended a program."""
-    return [resource for resource, error in _LACKED.items() if error.search(said)]
+def _catches(program: Executable | None, files: Files | None) -> bool:
+    """Return whether a program catches any error, as far as is known."""
+    if program is None or files is None or not program.modules:
+        return True
+    places = (*files.handlers.get("by name", ()), *files.handlers.get("wholesale", ()))
+    return any(PurePosixPath(place.file).stem in (*program.modules, program.stem) for place in places)
+
+
+def _wants_of(line: str, file: str, source: str) -> Iterator[str]:
+    """Yield what is lacked by the last line of an error that a line of code in a file has raised."""
+    is_own, kind = file.startswith(f"{FILES}/") and _RAISES.search(source), _KIND.match(line)
+    python = getattr(builtins, kind[1], None) if kind else None
+    is_of_value = isinstance(python, type) and not issubclass(python, (OSError, RuntimeError))
+    for want in (want for want, error in _WANTS.items() if error.search(line)):
+        # An error of a stand-in may be raised: it says nothing but its name.
+        is_its_word = want == _NOTHING_HERE and kind and kind["only"] and python is None
+        if is_its_word or not (is_own or (is_of_value and want in _LACKED)):
+            yield want
+
+
+def _errors(said: str) -> Iterator[tuple[str, str, str]]:
+    """Yield each line that may be an error, with the file and the code of the frame that raised it; empty without a traceback."""
+    file, source = "", ""
+    for line in said.splitlines():
+        if line.startswith(_HEADER):
+            file, source = _HEADER, ""
+        elif place := _FRAME.match(line):
+            file, source = place[1], ""
+        elif file and not source and line.startswith("    "):
+            source = _TEXT.sub("", line)
+        else:
+            yield line, file, source
 
 
 def stamped(type_name: str) -> str:

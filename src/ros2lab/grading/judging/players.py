@@ -221,7 +221,8 @@ class Case:
         if program is None or said is None:
             return
         is_done = program.is_brief and "Traceback (most recent call last)" not in said
-        if not is_done and not (is_for_want(said) and (program.absent or lacked(said))):
+        lacks = program.absent or lacked(said, program, self.evidence.files)
+        if not is_done and not (is_for_want(said) and lacks):
             return
         for end in self.evidence.files.ends:
             is_seen = end.topic in (run.publishes if end.is_publisher else run.subscribes)

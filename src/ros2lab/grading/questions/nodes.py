@@ -261,7 +261,7 @@ def _lost(case: Case, part: Part) -> Iterator[Answer]:
         for number, run in enumerate(case.evidence.runs)
         if run.setting == "alone" and not any(played is run for played in playing)
         for name, end in run.ended.items()
-        if not is_for_want(end)
+        if not is_for_want(end, case.executables.get(name), case.evidence.files)
         if name not in run.done or tells_error(end) or _makes(case, name, part)
     }
     started = {one.stem for one in case.executables.values() if one.command} - {""}  # also by another way

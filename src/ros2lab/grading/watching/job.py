@@ -17,6 +17,7 @@ from ros2lab.grading.code.compared import Contents
 from ros2lab.grading.evidence import GIVEN, CommandSeen, Heard, Run, ServiceCall
 from ros2lab.grading.reading.stand_in import SAYS_YES
 from ros2lab.grading.sandbox.box import Box
+from ros2lab.grading.sandbox.keeper import is_limit
 from ros2lab.grading.sandbox.neighbours import Neighbours
 from ros2lab.grading.senses import seen as seen_of
 from ros2lab.grading.watching.keyboard import Keyboard
@@ -29,6 +30,8 @@ DOMAINS = itertools.cycle(
 )  # Linux assigns their ports to nothing else; each World has its own network
 STOP_TIMEOUT = 10.0  # s from Ctrl-C to the end, on a busy machine
 LINES, LINE = 200, 500
+MOST_CAUSES = 3  # of an error, that are kept
+_OF_CAUSE = ("The above exception was the direct cause", "During handling of the above exception")
 # A warning of rclpy when the observer no longer waits for an answer.
 _OF_RCLPY = re.compile(
     r".*/rclpy/service\.py:\d+: RuntimeWarning: failed to send response|\s+self\.__service\.service_send_response\("
@@ -408,4 +411,11 @@ def _heard(topics: dict[str, Any]) -> dict[str, Heard]:
 
 
 def _last_lines(text: str) -> str:
-    return "\n".join(line[:LINE] for line in without_ignored(text.strip().splitlines())[-10:])
+    """Return the end of an output, with the causes of an error in it that stand above; never as a limit's own sentence."""
+    lines = [line[:LINE] for line in without_ignored(text.strip().splitlines())]
+    first = max(0, len(lines) - 10)
+    is_error = any(line.startswith('  File "') for line in lines[first:])
+    links = [number for number, line in enumerate(lines) if is_error and line.startswith(_OF_CAUSE)]
+    above = {n for link in links[-MOST_CAUSES:] for n in range(max(0, link - 6), min(link + 1, first))}
+    said = "\n".join(lines[number] for number in (*sorted(above), *range(first, len(lines))))
+    return f"It said: {said}" if is_limit(said) else said
