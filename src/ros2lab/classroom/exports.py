@@ -21,7 +21,7 @@ from pathlib import Path
 
 from ros2lab import course, environment
 from ros2lab.classroom.gradebook import Gradebook, Row
-from ros2lab.classroom.handed_in import ClassError, as_one_name
+from ros2lab.classroom.handed_in import ClassError, as_one_name, called
 from ros2lab.classroom.judging import read_grade
 from ros2lab.classroom.names import canvas
 from ros2lab.classroom.report import file_name, is_device
@@ -171,14 +171,14 @@ def _moodle(graded: Class, path: Path) -> str:
         form = _Form()
     else:
         table, form = _exported(graded.columns, ("Identifier", "Grade"))
-    header, cut = table[0], list[str]()
+    header, cut, names = table[0], list[str](), called(row.handed for row in graded.rows)
 
     def points(line: list[str], row: Row) -> str:
         total = graded.grades[row.handed.key].total
         most = _number_in(dict(zip(header, line, strict=False)).get(MOODLE_MOST, ""))
         if most is None or total <= most:
             return number(total)
-        cut.append(row.handed.name)
+        cut.append(names[row.handed.key])
         return number(most)
 
     fillers: dict[int, Fill] = {header.index("Grade"): points}
@@ -246,8 +246,9 @@ def _unfilled(graded: Class, filled: set[str]) -> str:
     """Say whose grades are not in a file, in which the rows with some ids are."""
     own = graded.by_id()
     written = [own[key] for key in filled]
+    names = called(row.handed for row in graded.rows)
     missing = [
-        row.handed.name
+        names[row.handed.key]
         for row in graded.rows
         if row.handed.key in graded.grades and not any(row is known for known in written)
     ]

@@ -10,7 +10,7 @@ from pathlib import Path
 from ros2lab.classroom import capacity, cluster, identity
 from ros2lab.classroom.display import Display
 from ros2lab.classroom.gradebook import Gradebook, Row, Worth
-from ros2lab.classroom.handed_in import HandedIn
+from ros2lab.classroom.handed_in import HandedIn, called
 from ros2lab.classroom.judging import Judging
 from ros2lab.classroom.side_by_side import Done, Step, Task, grade
 from ros2lab.grading.reports.shown import number
@@ -34,12 +34,19 @@ class Plan:
     done: list[str]
 
 
-def identified(found: Iterable[HandedIn]) -> Iterator[tuple[HandedIn, str, int]]:
+def identified(
+    found: Iterable[HandedIn], everybody: Iterable[HandedIn] = ()
+) -> Iterator[tuple[HandedIn, str, int]]:
     """Yield each row with the digest of what was handed in, and when that was written.
 
     What is empty, cannot be read, or is the same as somebody else's, says so.
+
+    Args:
+        found: the rows.
+        everybody: all rows of the class, if these are only some.
     """
     rows = [*_digested(found)]
+    names = called({row.key: row for row in (*everybody, *(handed for handed, *_ in rows))}.values())
     same: dict[str, list[HandedIn]] = {}
     for handed, digest, _ in rows:
         if not handed.reason:
@@ -47,7 +54,9 @@ def identified(found: Iterable[HandedIn]) -> Iterator[tuple[HandedIn, str, int]]
     for handed, digest, written_at in rows:
         # Of all of them, for nobody knows whose it was first.
         twins = [
-            twin.name for twin in same.get(digest, ()) if twin.paths != handed.paths and not handed.reason
+            names[twin.key]
+            for twin in same.get(digest, ())
+            if twin.paths != handed.paths and not handed.reason
         ]
         notes = [f"It is, byte for byte, what {name} has handed in." for name in twins]
         yield replace(handed, notes=(*handed.notes, *notes)), digest, written_at
@@ -91,6 +100,8 @@ def plan(book: Gradebook, judging: Judging, rows: Iterable[Row], *, only_failed:
     grader = identity.grader()
     known = book.graded_before(judging.assignment_digest, grader)
     current = book.current(judging.assignment_digest, grader)
+    rows = [*rows]
+    names = called(row.handed for row in rows)
     groups: dict[str, list[Row]] = {}
     again, done = dict[str, int](), list[str]()
     for row in rows:
@@ -102,7 +113,7 @@ def plan(book: Gradebook, judging: Judging, rows: Iterable[Row], *, only_failed:
         else:
             groups.setdefault(row.digest, []).append(row)
     tasks = [
-        Task(digest, same[0].handed.paths, same[0].handed.name, tuple(row.handed.key for row in same))
+        Task(digest, same[0].handed.paths, names[same[0].handed.key], tuple(row.handed.key for row in same))
         for digest, same in groups.items()
     ]
     return Plan(tasks, again, done)

@@ -142,6 +142,22 @@ def named_by(word: str, rows: Iterable[HandedIn]) -> list[HandedIn]:
     return (whole or [row for row in rows if meant in as_one_name(seen(row.name))]) if meant else []
 
 
+def called(rows: Iterable[HandedIn]) -> dict[str, str]:
+    """Return how each row is named, by its key: with the key in brackets where the name may be read as another's.
+
+    That is where two names look the same, and where one ends in brackets, as if with a key.
+    """
+    rows = [*rows]
+    names = Counter(as_one_name(seen(row.name)) for row in rows)
+    keys = Counter(as_one_name(seen(row.key)) for row in rows)
+    found = dict[str, str]()
+    for row in rows:
+        key = row.key if keys[as_one_name(seen(row.key))] == 1 else ascii(row.key)
+        is_open = names[as_one_name(seen(row.name))] > 1 or seen(row.name).endswith(")")
+        found[row.key] = f"{row.name} ({key})" if is_open else row.name
+    return found
+
+
 def as_one_name(name: str) -> str:
     """Return what is the same for names that are one file on some system: of other capitals, or another form of Unicode."""
     return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())

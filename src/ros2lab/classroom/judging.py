@@ -19,7 +19,7 @@ from typing import TypeVar
 from ros2lab import assignments
 from ros2lab.classroom import identity
 from ros2lab.classroom.gradebook import Gradebook, Row, Worth
-from ros2lab.classroom.handed_in import ClassError
+from ros2lab.classroom.handed_in import ClassError, called
 from ros2lab.grading import rubric as rubrics
 from ros2lab.grading.evidence import Evidence
 from ros2lab.grading.evidence_json import EvidenceError, read_evidence
@@ -134,6 +134,7 @@ def regrade(
     rows = [*rows]
     check_assignment(book, judging, rows)
     stale = [row for row in rows if row.worth and row.worth.rubric != judging.by(row.handed.key)]
+    names = called(row.handed for row in rows)
     show(0, len(stale))
     done, changed, problems = 0, 0, dict[str, str]()
     with _judges(judging, len(stale) // AT_ONCE) as judged:
@@ -142,7 +143,7 @@ def regrade(
             worths: dict[int, dict[str, Worth | str]] = {}
             for row, worth in zip(some, worth_of_each, strict=True):
                 if isinstance(worth, str):
-                    problems[row.handed.name] = worth
+                    problems[names[row.handed.key]] = worth
                     continue
                 worths.setdefault(row.grading, {})[row.handed.key] = worth
                 changed += worth.total != (row.worth.total if row.worth else None)

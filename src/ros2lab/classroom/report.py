@@ -21,6 +21,7 @@ from markupsafe import Markup
 from ros2lab import course
 from ros2lab.classroom.a_look import Looked, reasons
 from ros2lab.classroom.gradebook import Gradebook, Row
+from ros2lab.classroom.handed_in import called
 from ros2lab.classroom.judging import Judging, read_grade
 from ros2lab.classroom.similarity import Pair, Shared, most_alike, pairs, template_texts
 from ros2lab.grading.evidence import Evidence
@@ -165,7 +166,7 @@ def page(
             pairs=alike,
             common=common,
             shared=shared,
-            names={row.handed.key: row.handed.name for row in rows},
+            names=called(row.handed for row in rows),
             script=Markup(script),  # noqa: S704 -- a file of ours
             digest=digest,
             bars=_bars(totals),

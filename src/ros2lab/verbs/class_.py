@@ -7,7 +7,7 @@ import signal
 import sqlite3
 import statistics
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from datetime import datetime
 from enum import Enum
@@ -111,7 +111,7 @@ def grade(
     with _told_in_a_sentence(f"`ros2lab class grade` with {submissions} goes on where it was"):
         from ros2lab.classroom import discovery, gradebook, grading  # noqa: PLC0415
         from ros2lab.classroom.display import Display  # noqa: PLC0415
-        from ros2lab.classroom.handed_in import ClassError  # noqa: PLC0415
+        from ros2lab.classroom.handed_in import ClassError, called  # noqa: PLC0415
         from ros2lab.classroom.judging import Judging, check_assignment, regrade  # noqa: PLC0415
 
         count = None if jobs == "auto" else int(jobs) if jobs.isdecimal() else 0
@@ -134,7 +134,7 @@ def grade(
                 submissions, received, "" if form is Form.auto else form.value, _tell_what_is_no_hand_in
             )
             wanted = discovery.chosen(found, only) if only else found
-            rows_found = [*grading.identified(wanted)]
+            rows_found = [*grading.identified(wanted, found)]
             if since:
                 rows_found = [found for found in rows_found if found[2] >= since.timestamp()]
             book.register(rows_found)
@@ -144,17 +144,18 @@ def grade(
             check_assignment(book, judging, book.rows())
             todo = grading.plan(book, judging, rows, only_failed=failed)
             if dry_run:
-                _show_plan(todo, rows)
+                _show_plan(todo, rows, called(row.handed for row in book.rows()))
                 return
             with Display(len(todo.tasks), "json" if as_json else "quiet" if quiet else "usual") as display:
                 grading.carry_out(book, judging, todo, display, jobs=count, scheduler=scheduler)
             regrade(book, judging, book.rows())
+            names = called(row.handed for row in book.rows())
             rows = [row for row in book.rows() if row.handed.key in keys]
         if not as_json and not quiet:
             _show_summary(rows, out)
         for row in rows:
             if row.state == "failed":
-                print(f"{_shown(row.handed.name)}: {_shown(row.reason)}", file=sys.stderr)
+                print(f"{_shown(names[row.handed.key])}: {_shown(row.reason)}", file=sys.stderr)
     if any(row.state == "failed" for row in rows):
         raise typer.Exit(GRADED_NOT_ALL)
 
@@ -311,14 +312,13 @@ def _tell_what_is_no_hand_in(names: list[str]) -> None:
         print(f"Not taken for hand-ins: {_shown(', '.join(names[:20]))}{more}.", file=sys.stderr)
 
 
-def _show_plan(todo: Plan, rows: list[Row]) -> None:
-    names = {row.handed.key: row.handed.name for row in rows}
+def _show_plan(todo: Plan, rows: list[Row], names: Mapping[str, str]) -> None:
     graded = [names[key] for task in todo.tasks for key in task.students]
     for name in graded:
         print(f"{_shown(name)} would be graded.")
     for row in rows:
         if row.state == "unreadable":
-            print(f"{_shown(row.handed.name)} cannot be graded: {_shown(row.reason)}")
+            print(f"{_shown(names[row.handed.key])} cannot be graded: {_shown(row.reason)}")
     print(
         f"{len(graded)} would be graded, {len(todo.again)} only judged again, and with {len(todo.done)} there is "
         "nothing to do. Nothing was changed."
