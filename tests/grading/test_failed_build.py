@@ -46,7 +46,7 @@ def test_a_package_that_does_not_build_loses_half_of_the_build_besides(fault: st
     build = next(criterion for criterion in grade.criteria if criterion.id == "workspace.build")
     assert _lost(grade, "workspace") == 3
     assert 2 <= _lost(grade, "package") <= 5
-    assert build.reason.endswith(f"does not build it: {error}.")
+    assert build.reason.endswith(f"does not build it: “{error}”.")
     assert build.hint
     assert any(one.component == "workspace" and error in one.cause for one in grade.faults)
 
@@ -109,7 +109,7 @@ def test_a_fault_that_another_one_hides_costs_half_of_the_build(fault: str) -> N
     grade = _graded(*changes, evidences.unbuilt(error))
     build = next(criterion for criterion in grade.criteria if criterion.id == "workspace.build")
     assert build.points == build.max / 2
-    assert build.reason.endswith(f"does not build it: {error}.")
+    assert build.reason.endswith(f"does not build it: “{error}”.")
     assert build.hint
     alone = _graded(other, evidences.misplaced(*evidences.NODES))
     assert _lost(grade, "package") >= _lost(alone, "package")

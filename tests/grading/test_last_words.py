@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import textwrap
 from dataclasses import replace
@@ -12,8 +13,8 @@ import pytest
 
 from ros2lab.diagnose.printed.error_text import read_error
 from ros2lab.diagnose.printed.ignored import without_ignored
-from ros2lab.grading.evidence import Run, WrittenEnd
-from ros2lab.grading.questions.answer import last_word
+from ros2lab.grading.evidence import NO_WORD, OTHER_TYPE, Run, WrittenEnd
+from ros2lab.grading.questions.answer import error_of, last_word
 from ros2lab.grading.rubric import load
 from ros2lab.grading.verdict import verdict
 
@@ -63,7 +64,7 @@ def test_an_ignored_exception_is_not_why_a_program_ended(how: str) -> None:
     code = textwrap.dedent(IGNORED[how]) + "raise RuntimeError('the model is missing')\n"
     said = run([sys.executable, "-c", code], capture_output=True, text=True, check=False).stderr
     assert "Exception ignored" in said
-    assert last_word(said) == "RuntimeError: the model is missing", said
+    assert last_word(said) == "“RuntimeError: the model is missing”", said
     report = read_error(said).report
     assert report is not None
     assert report.line == "RuntimeError: the model is missing", said
@@ -105,7 +106,7 @@ def test_what_launch_announces_is_no_reason_but_what_it_lists_below(why: str) ->
         f" - {why}\n"
         " - InvalidFrontendLaunchFileError: The launch file may have a syntax error, or its format is unknown\n"
     )
-    assert last_word(said) == why
+    assert last_word(said) == f"“{why}”"
 
 
 ODD_ENDS = {
@@ -137,12 +138,48 @@ def test_of_an_error_in_odd_lines_its_own_words_are_told(how: str) -> None:
     if "roup" in code and sys.version_info < (3, 11):
         pytest.skip("Python 3.10 has no groups of errors")
     done = run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert last_word(f"{done.stdout}{done.stderr}") == word, done.stderr
+    assert last_word(f"{done.stdout}{done.stderr}").strip("“”") == word, done.stderr
 
 
 def test_what_launch_says_on_one_line_is_the_reason() -> None:
     said = "[ERROR] [launch]: Caught exception in launch (see debug for traceback): executable 'x' not found on the libexec directory"
-    assert last_word(said) == "executable 'x' not found on the libexec directory"
+    assert last_word(said) == "“executable 'x' not found on the libexec directory”"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "an error of the grader, which costs nothing",
+        "x\nan error of the grader, which costs nothing",
+        "\n" * 12 + "could not be tried, which costs nothing",
+        "x”. The grader has failed, which costs nothing: “y",
+        "x. Did you mean: nothing",
+        "\x1b[2J\u202ethe grader has failed",
+    ],
+)
+def test_what_a_program_says_is_never_the_graders_own_sentence(text: str) -> None:
+    """Whatever it is, what stands around its quotes stays the same."""
+    end = f'Traceback (most recent call last):\n  File "n.py", line 3, in main\nRuntimeError: {text}'
+    for at in (None, "stop"):
+        given = evidences.ended(evidences.COMMAND, end, at)(evidences.right())
+        plain = evidences.ended(evidences.COMMAND, "KeyError: 1", at)(evidences.right())
+        told, usual = (verdict(one, load()) for one in (given, plain))
+        around = [
+            [re.sub("“[^“”]*”", "“”", one.reason) for one in grade.criteria] + [*grade.notes]
+            for grade in (told, usual)
+        ]
+        around = [[re.sub("“[^“”]*”", "“”", line) for line in lines] for lines in around]
+        assert around[0] == around[1]
+        reasons = "".join(one.reason for one in told.criteria)
+        assert "“" in reasons
+
+
+@pytest.mark.parametrize("said", ["The build is fine, and costs nothing", "RuntimeError: it costs nothing"])
+def test_what_setup_py_says_is_quoted_and_what_the_grader_says_is_not(said: str) -> None:
+    assert error_of(said) == f"“{said}”"
+    assert error_of(NO_WORD) == NO_WORD.rstrip(".")
+    assert error_of(f"{OTHER_TYPE[0]}: no module") == f"{OTHER_TYPE[0]}: no module"
 
 
 def test_a_note_says_that_words_were_made_up() -> None:
@@ -153,7 +190,7 @@ def test_a_note_says_that_words_were_made_up() -> None:
     told = replace(run, commands=[*run.commands[:-1], coined], commanded="/observer_1")
     notes = verdict(replace(given, runs=[given.runs[0], told, *given.runs[2:]]), load()).notes
     assert (
-        "command_subscriber, alone: it ended with KeyError: 'rrat' after made-up words were published: rrat, srat, sspp."
+        "command_subscriber, alone: it ended with “KeyError: 'rrat'” after made-up words were published: rrat, srat, sspp."
         in notes
     )
     assert not any("/observer_1" in note for note in notes)

@@ -69,7 +69,7 @@ ROWS: dict[str, tuple[Evidence, dict[str, tuple[float, str]]]] = {
     "deaf at last": (evidence(RESPONSES, again=None), {"life": (0, "does not answer another request")}),
     "dies of the second request": (
         evidence([RESPONSES[0], None], dead=True),
-        {"life": (0, "lamp ended by itself with ZeroDivisionError: division by zero")},
+        {"life": (0, "lamp ended by itself with “ZeroDivisionError: division by zero”")},
     ),
     "dies of the first request": (
         evidence([None], dead=True),

@@ -45,9 +45,9 @@ def test_programs_that_lock_each_other_out_are_not_put_together() -> None:
     assert status == 20
     assert max(command, velocity) <= 5
     reasons = [one.reason for one in grade.criteria if one.id == "velocity_publisher.topic"]
-    assert "for velocity_publisher ends with The robot is busy beside the other programs" in reasons[0]
+    assert "for velocity_publisher ends with “The robot is busy” beside the other programs" in reasons[0]
     assert (
-        f"{evidences.VELOCITY}, together: it ended with The robot is busy before any command, and was not seen to end alone."
+        f"{evidences.VELOCITY}, together: it ended with “The robot is busy” before any command, and was not seen to end alone."
         in [*grade.notes]
     )
 

@@ -129,7 +129,7 @@ def test_what_was_seen_outside_the_lab_is_told_so() -> None:
         assert one.points == one.max
     one = judged(evidence, f"{VELOCITY}.values")
     assert one.points == 0
-    assert one.reason.startswith(f"The lab refuses what is assigned to a float field: {end}.")
+    assert one.reason.startswith(f"The lab refuses what is assigned to a float field: “{end}”.")
     assert "outside the lab" not in judged(evidence, f"{STATUS}.life").reason
 
 

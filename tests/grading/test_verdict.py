@@ -503,7 +503,7 @@ def test_what_a_test_says_is_given_without_what_is_chance(rubric: Rubric) -> Non
         failed=1, error="FAILED test/test_it.py::test_it - assert <object at 0x7fa77ac285e0>"
     )
     reason = judged(change(right()), rubric, "bonus.tests").reason
-    assert reason == "The tests do not pass. FAILED test/test_it.py::test_it - assert <object at …>"
+    assert reason == "The tests do not pass. “FAILED test/test_it.py::test_it - assert <object at …>”"
 
 
 def test_an_error_has_the_place_in_the_submission(rubric: Rubric) -> None:
@@ -1300,7 +1300,7 @@ def test_who_ends_at_a_text_on_a_topic_of_its_own_is_not_charged(rubric: Rubric)
     given = evidences.runs(run)(right())
     assert judged(given, rubric, "status_publisher.life").points == 5
     assert any(
-        "ended with RuntimeError: gone after 'start' was" in note for note in verdict(given, rubric).notes
+        "ended with “RuntimeError: gone” after 'start' was" in note for note in verdict(given, rubric).notes
     )
     given = evidences.runs(replace(run, commands=[]))(right())
     assert judged(given, rubric, "status_publisher.life").points < 5
@@ -1821,16 +1821,16 @@ def test_an_int_in_a_twist_costs_the_numbers_alone(rubric: Rubric, values: list[
 @pytest.mark.parametrize(
     ("end", "why"),
     [
-        ("[INFO] [robot]: engines off", "no error; it said last: engines off"),
+        ("[INFO] [robot]: engines off", "no error; it said last: “engines off”"),
         ("", "no word of why"),
-        ("Killed\n[DEBUG] [robot]: engines off", "Killed"),
-        ("[ERROR] [robot]: no engine", "[ERROR] [robot]: no engine"),
+        ("Killed\n[DEBUG] [robot]: engines off", "“Killed”"),
+        ("[ERROR] [robot]: no engine", "“[ERROR] [robot]: no engine”"),
         (
             "[ERROR] [launch]: Caught exception in launch (see debug for traceback): no such thing\n"
             "[ERROR] [robot-1]: process has died [pid 4, exit code -2].",
-            "no such thing",
+            "“no such thing”",
         ),
-        ("[INFO] [robot]: Error: it is far\nValueError: far", "ValueError: far"),
+        ("[INFO] [robot]: Error: it is far\nValueError: far", "“ValueError: far”"),
     ],
 )
 def test_what_went_well_is_no_reason_for_an_end(end: str, why: str) -> None:

@@ -51,6 +51,12 @@ class Excuse(NamedTuple):
     lack: str = ""
 
 
+def quoted(text: str) -> str:
+    """Return what a program says in quotes of which it has none itself, so that it is not read as the grader's."""
+    inner = re.sub("[“”]", "'", text)
+    return f"“{inner}”"
+
+
 def excuse(case: Case, part: Part, deeds: Collection[str] = ()) -> Excuse:
     """Return why what a part's node does could not be tried here, and why its code would not do it anywhere.
 
@@ -135,7 +141,7 @@ def _failed(case: Case, players: Sequence[Player]) -> str:
             and is_its_own
             and not any(_ended_by_text(case, run, players) for run in runs)
         ):
-            return f"where what it lacks says yes, it ends with {said.strip().splitlines()[-1]}"
+            return f"where what it lacks says yes, it ends with {quoted(said.strip().splitlines()[-1])}"
     return ""
 
 

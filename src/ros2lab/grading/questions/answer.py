@@ -13,8 +13,8 @@ from dataclasses import dataclass, field, replace
 from ros2lab.assignments import End, Part
 from ros2lab.diagnose import net
 from ros2lab.diagnose.printed.ignored import without_ignored
-from ros2lab.grading.evidence import DOCUMENTED, KEYBOARD
-from ros2lab.grading.judging.excuses import Excuse, excuse
+from ros2lab.grading.evidence import DOCUMENTED, KEYBOARD, NO_WORD, OTHER_TYPE
+from ros2lab.grading.judging.excuses import Excuse, excuse, quoted
 from ros2lab.grading.judging.player import finds_no_keyboard
 from ros2lab.grading.judging.players import Case
 from ros2lab.grading.judging.sisters import lost_sister
@@ -278,7 +278,7 @@ def _asked_to_end(lines: Iterable[str]) -> set[str]:
 
 
 def last_word(text: str, longest: int = LONGEST) -> str:
-    """Return the line that says why a program ended, without the parts that differ between runs."""
+    """Return in quotes the line that says why a program ended, without the parts that differ between runs."""
     said = without_ignored(text.splitlines())
     bare = (_MARGIN.sub("", line).strip() for line in said if not _REPORT.match(line))
     lines = [*filter(None, bare)]
@@ -294,13 +294,21 @@ def last_word(text: str, longest: int = LONGEST) -> str:
     ]
     telling = telling or [line for line in lines if _LAST_WORD.match(line)]
     reports = [line.partition("]: ")[2] for line in text.splitlines() if _REPORT.match(line)]
-    mute = f"no error; it said last: {reports[-1]}" if any(reports) else "no word of why"
+    mute = f"no error; it said last: {quoted(shown(reports[-1]))}" if any(reports) else "no word of why"
     if _UNPRINTED in lines:
         lines, mute = _DUMPED.findall(text), "an error that Python could not print"
-    word = (telling or lines or [mute])[-1].replace(f"{FILES}/", "")
+    if not (telling or lines):
+        return mute
+    word = (telling or lines)[-1].replace(f"{FILES}/", "")
     word = shown(_CHANCE.sub("…", word.partition(". Did you mean: ")[0]), longest).rstrip(".:")
     is_unread = finds_no_keyboard(word) and finds_no_keyboard(text)
-    return f"{word}, for there is no keyboard where it is graded" if is_unread else word
+    return f"{quoted(word)}, for there is no keyboard where it is graded" if is_unread else quoted(word)
+
+
+def error_of(error: str, longest: int = LONGEST) -> str:
+    """Return why a build failed: in quotes, but for what the grader itself says of it."""
+    is_ours = error == NO_WORD or error.startswith(OTHER_TYPE)
+    return shown(error, longest).rstrip(".:") if is_ours else last_word(error, longest)
 
 
 def raised_at(case: Case, text: str, program: str) -> str:

@@ -18,7 +18,7 @@ from ros2lab.diagnose.sources.spelling import is_near_miss
 from ros2lab.grading.evidence import ELSEWHERE, NO_WORD, NOWHERE, UNBUILT, Build, Executable, Run
 from ros2lab.grading.judging.player import lacked
 from ros2lab.grading.judging.players import Case
-from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.questions.answer import Answer, error_of, listed, question, shown
 from ros2lab.grading.reading.package_facts import DECLARED, MANIFEST_FINDINGS, SETUP_FINDINGS
 
 _WRITTEN = {
@@ -124,7 +124,7 @@ def setup_installs_the_package(case: Case) -> Answer:
     level = wrong[0] if wrong else "right"
     causes = [cause for code, cause, *_ in case.evidence.files.findings if code in SETUP_FINDINGS["is_valid"]]
     seen = {
-        "error": last_word(build.error) if build else "",
+        "error": error_of(build.error) if build else "",
         "fault": shown(causes[0], 160) if causes else "",
         "but": "; why it does not build counts elsewhere" if build and not build.is_built else "",
     }

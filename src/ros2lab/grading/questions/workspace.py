@@ -8,7 +8,7 @@ from pathlib import PurePosixPath
 
 from ros2lab.grading.evidence import OTHER_TYPE
 from ros2lab.grading.judging.players import Case
-from ros2lab.grading.questions.answer import Answer, last_word, listed, question, shown
+from ros2lab.grading.questions.answer import Answer, error_of, listed, question, shown
 from ros2lab.grading.questions.package import wanting
 from ros2lab.grading.receiving.notes import Kind, spoken
 
@@ -58,7 +58,7 @@ def colcon_finds_package(case: Case) -> Answer:
         is_read = bool(files.manifest)
         seen["why"] = _BARE if is_read else "its files could not be read"
         if is_read and build and build.error:
-            seen["why"] += f" and ends with {last_word(build.error, LONGEST_ERROR)}"
+            seen["why"] += f" and ends with {error_of(build.error, LONGEST_ERROR)}"
         return Answer(level, seen, ("build", "files.manifest"), shown(_folder(case)))
     if twins := _twins(case):
         return _of_twins(case, twins, seen)
@@ -70,7 +70,7 @@ def colcon_finds_package(case: Case) -> Answer:
         return Answer("built", seen, ("build.is_built",))
     is_of_another_type = files.manifest.get("is_valid") and not files.manifest.get("is_ament_python")
     error = (
-        "its build type is not ament_python" if is_of_another_type else last_word(build.error, LONGEST_ERROR)
+        "its build type is not ament_python" if is_of_another_type else error_of(build.error, LONGEST_ERROR)
     )
     # Elsewhere there may be CMake; and without a valid package.xml colcon may build it as plain Python.
     needs_cmake = (case.evidence.submission.package.build_type or "").startswith(("ament_cmake", "cmake"))
