@@ -119,10 +119,14 @@ class Literals:
                 rows = [*_bound_or_added(home.tree.body, imported[2])]
                 yield from ((home, value, path) for value, path in rows)
         else:
-            for home, owner in self._owners(source, name):
+            owners = [*self._owners(source, name)]
+            for home, owner in owners:
                 of_self = _bound_or_added(tuple(walk(owner)), f"self.{name.attr}")
                 of_class = _bound_or_added(owner.body, name.attr)
                 yield from ((home, value, path) for value, path in (*of_self, *of_class))
+            if not owners:
+                rows = [*_bound_or_added(source.nodes, ast.unparse(name))]
+                yield from ((source, value, path) for value, path in rows)
 
     def _passed(
         self, source: PythonSource, name: ast.Name | ast.Attribute
@@ -141,12 +145,13 @@ class Literals:
     def _owners(
         self, source: PythonSource, name: ast.Attribute
     ) -> Iterator[tuple[PythonSource, ast.ClassDef]]:
-        """Yield the classes that an attribute may belong to: the one around self, or the only one that has it."""
+        """Yield the classes that an attribute may belong to: those that the object may be of, or the only one that has it."""
         if is_self_attribute(name) or ast.unparse(name.value) in ("cls", "type(self)"):
             owner = source.class_at(name.lineno)
             own = self._sources.classes.get(f"{source.name}.{owner.name}") if owner else None
-            chain = self._sources.lineage(own)[0] if own else ()
-            yield from ((inner.source, inner.definition) for inner in chain)
+            chains = [self._sources.lineage(one)[0] for one in self._sources.classes.values()]
+            family = dict.fromkeys(inner for chain in chains if own in chain for inner in chain)
+            yield from ((inner.source, inner.definition) for inner in family)
             return
         called = ast.unparse(name.value)
         known = [c for c in self._sources.classes.values() if name.attr in _attributes(c.definition)]
