@@ -71,18 +71,33 @@ def stamped(*seconds: int, kind: str = "") -> list[dict[str, Any]]:
     ],
 )
 def test_a_stamp_that_stays_at_its_default_is_told(values: Sequence[Any], is_told: bool) -> None:
-    assert bool(unstamped(values)) is is_told
+    assert bool(unstamped(values, [])) is is_told
 
 
-@pytest.mark.parametrize(("seconds", "is_told"), [((0, 0, 0), True), ((1, 2, 3), False)])
+@pytest.mark.parametrize(
+    ("seconds", "line", "is_told"),
+    [
+        ((0, 0, 0), "", True),
+        ((0, 0, 0), "self.goal.header.frame_id = 'map'", True),
+        ((1, 2, 3), "", False),
+        # Set once, when the clock that begins at 0 stands there; or to 0, which tf2 takes for the latest.
+        ((0, 0, 0), "self.goal.header.stamp = self.get_clock().now().to_msg()", False),
+        ((0, 0, 0), "self.goal.header = self.header", False),
+        ((0, 0, 0), "self.goal = PointStamped(header=Header(stamp=Time().to_msg()))", False),
+        ((0, 0, 0), "self.goal.header.stamp.sec = 0", False),
+    ],
+)
 def test_of_what_a_program_published_its_stamps_are_told(
-    tmp_path: Path, seconds: Sequence[int], is_told: bool
+    tmp_path: Path, seconds: Sequence[int], line: str, is_told: bool
 ) -> None:
     kind = "geometry_msgs/msg/PointStamped"
     heard = Heard(kind, "/status_publisher", [0.5, 1.0, 1.5], stamped(*seconds), 3)
     run = run_of("status_publisher", "/point", kind, heard)
-    seen = Seen(Look(right_workspace().write(tmp_path)), assignments.load(), [run], [])
-    assert ("0 as the stamp in its header" in told_of(seen, run, frozenset())) is is_told
+    files = right_workspace().change(
+        "node", "        self.count = 0\n", f"        self.count = 0\n        {line}\n"
+    )
+    seen = Seen(Look(files.write(tmp_path)), assignments.load(), [run], [])
+    assert ("each with a stamp of 0" in told_of(seen, run, frozenset())) is is_told
 
 
 def side(last: float, *bounds: float) -> record.Side:

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import ast
 import contextlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ros2lab.grading.evidence import Heard
 from ros2lab.grading.watching.quiet import STEP
 from ros2lab.rhythm import between
 from ros2lab.trial.contents import leaves_of
 from ros2lab.trial.sender import ENDING
+
+if TYPE_CHECKING:
+    from ros2lab.diagnose.sources.python_source import PythonSource
 
 MOST_SHOWN, LONGEST = 3, 60  # fields and values; letters
 _NO_TIME = {"sec": 0, "nanosec": 0}
@@ -102,11 +106,23 @@ def content(values: Sequence[Any]) -> tuple[str, bool]:
     return f", {each}with {fields_of(held)}" if held else f", {each}zero, false or empty", False
 
 
-def unstamped(values: Sequence[Any]) -> str:
-    """Say of messages with headers that the stamp of each is 0, its default; empty if one is not, or if they are few."""
+def unstamped(values: Sequence[Any], sources: Iterable[PythonSource]) -> str:
+    """Say of messages with headers that the stamp of each is 0, its default; empty if they are few, or if code sets it."""
     stamps = [*chain.from_iterable(map(_stamps, values))]
     is_told = len(values) >= LEAST_EVEN and stamps and all(stamp == _NO_TIME for stamp in stamps)
-    return ", each with 0 as the stamp in its header, as if nothing sets it" if is_told else ""
+    is_set = is_told and any(_is_of_stamp(node) for source in sources for node in source.nodes)
+    return ", each with a stamp of 0" if is_told and not is_set else ""
+
+
+def _is_of_stamp(node: ast.AST) -> bool:
+    """Return whether code names the stamp of a message, or gives it a header."""
+    is_named = isinstance(node, ast.Attribute) and node.attr == "stamp"
+    is_given = isinstance(node, ast.keyword) and node.arg in ("stamp", "header")
+    return (
+        is_named
+        or is_given
+        or (isinstance(node, ast.Attribute) and node.attr == "header" and isinstance(node.ctx, ast.Store))
+    )
 
 
 def _stamps(value: Any) -> Iterator[Any]:

@@ -172,7 +172,10 @@ def _unasked(seen: Seen, run: Run) -> str:
 def _published(seen: Seen, run: Run, topic: str, sent: Sent) -> str:
     """Say how many messages a program published on a topic, in which rhythm, and with which content."""
     pace, what = pace_of(seen, run, topic)[1], content(sent.values)[0]
-    return f"published {counted(sent.count)} on {topic}{pace}{what}{unstamped(sent.values)}"
+    sources = [
+        source for package in seen.look.packages for source in seen.look.sources(package).sources.values()
+    ]
+    return f"published {counted(sent.count)} on {topic}{pace}{what}{unstamped(sent.values, sources)}"
 
 
 def pace_of(seen: Seen, run: Run, topic: str) -> tuple[float, str]:
