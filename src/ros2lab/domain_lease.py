@@ -21,43 +21,45 @@ class NoDomainError(RuntimeError):
     """All of the domains that can be leased are leased."""
 
 
-def leased(lease: socket.socket, patience: float | None = None) -> int:
+def leased(lease: socket.socket, until: float = 0.0) -> int:
     """Return a domain that nobody else on this machine leases until the lease is closed.
 
     Args:
         lease: a Unix socket, which is bound to the domain's name.
-        patience: how long to wait for one, in s; None waits for `PATIENCE`.
+        until: how long to wait for one, by the monotonic clock in s; 0 waits for `PATIENCE`.
 
     Raises:
-        NoDomainError: if all of the domains that can be leased are leased for so long.
+        NoDomainError: if all of the domains that can be leased are leased until then.
     """
     names = {f"\0ros2lab-private-domain-{domain}": domain for domain in DOMAINS}
-    return names[_bound(lease, names, PATIENCE if patience is None else patience)]
+    return names[_bound(lease, names, until or time.monotonic() + PATIENCE)]
 
 
 @contextlib.contextmanager
-def in_turn() -> Iterator[None]:
+def in_turn() -> Iterator[float]:
     """Let only one lease several domains at a time: two that have a half of them each would wait for each other.
+
+    Yields:
+        The time by the monotonic clock until which it may wait for all of them, in s.
 
     Raises:
         NoDomainError: if somebody else takes them for so long.
     """
     with socket.socket(socket.AF_UNIX) as turn:
-        _bound(turn, (TURN,), PATIENCE)
-        yield
+        _bound(turn, (TURN,), time.monotonic() + 2 * PATIENCE)
+        yield time.monotonic() + PATIENCE
 
 
-def _bound(lease: socket.socket, names: Iterable[str], patience: float) -> str:
-    """Bind a socket to the first of some names that is free, within so many seconds; return the name."""
-    end = time.monotonic() + patience
+def _bound(lease: socket.socket, names: Iterable[str], until: float) -> str:
+    """Bind a socket to the first of some names that is free, until a time of the monotonic clock; return the name."""
     while True:
         for name in names:
             with contextlib.suppress(OSError):
                 lease.bind(name)
                 return name
-        if time.monotonic() >= end:
+        if time.monotonic() >= until:
             raise NoDomainError(
-                f"All {len(DOMAINS)} ROS domains for checks on this machine are taken; wait for a running check to end, then try again."
+                f"The {len(DOMAINS)} ROS domains for checks on this machine are taken; wait for a running check to end, then try again."
             )
         time.sleep(0.1)
 

@@ -147,7 +147,7 @@ def test_a_domain_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
     with socket.socket(socket.AF_UNIX) as first, socket.socket(socket.AF_UNIX) as second:
         assert domain_lease.leased(first) == 212
         with pytest.raises(domain_lease.NoDomainError, match="domains for checks on this machine are taken"):
-            domain_lease.leased(second, patience=0.2)
+            domain_lease.leased(second, until=time.monotonic() + 0.2)
         threading.Timer(0.3, first.close).start()
         assert domain_lease.leased(second) == 212
 

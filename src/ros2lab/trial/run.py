@@ -11,6 +11,7 @@ import json
 import math
 import re
 import socket
+import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -56,6 +57,7 @@ _CHAINED = re.compile(r"exception(?: occurred)?:\s*\Z")  # the traceback after i
 _BRIEF = {"is_brief": True}
 _LONGER = {**_BRIEF, "has_commands": False, "keeps_clock": True, "longer": 30.0}  # s of the stepped clock
 _STARTS = 10.0  # s for starts with other parameters
+_SPARE = 1.0  # s to wait for a domain for what was not planned
 
 
 @dataclass(frozen=True)
@@ -145,11 +147,11 @@ def _watched(look: Look, programs: Sequence[Program]) -> tuple[Seen, Witnessed, 
         contents = open_contents(look, assignment.commanded.topic if assignment.commanded else "")
         words = compared_words(look)
         plan = {"has_commands": False, "contents": contents, "settings": words}
-        with in_turn():
-            jobs = [_OwnJob(leases, [program]) for program in noting]
-            jobs += [_OwnJob(leases, noting, plan=_BRIEF)] if len(programs) > 1 else []
-            setting = [] if words is None else _spare(leases, more, plan=plan, patience=None)
-            filled = _spare(leases, more, contents=contents, patience=None) if contents else []
+        with in_turn() as until:
+            jobs = [_OwnJob(leases, [program], until=until) for program in noting]
+            jobs += [_OwnJob(leases, noting, plan=_BRIEF, until=until)] if len(programs) > 1 else []
+            setting = [] if words is None else _spare(leases, more, plan=plan, until=until)
+            filled = _spare(leases, more, contents=contents, until=until) if contents else []
         jobs += filled
         with _OwnMachine(shown=SHOWN) as world, Observer(world, assignment, rooms=len(jobs)) as observer:
             runs = observer.watch([*jobs, *setting])[: len(jobs)]
@@ -325,10 +327,10 @@ class _OwnJob(Job):
         plan: Mapping[str, Any] | None = None,
         contents: Contents | None = None,
         is_stepped: bool = True,
-        patience: float | None = None,
+        until: float = 0.0,
     ) -> None:
         self._lease = leases.enter_context(contextlib.closing(socket.socket(socket.AF_UNIX)))
-        self._own = leased(self._lease, patience)
+        self._own = leased(self._lease, until)
         if contents is None:
             setting = "together" if len(programs) > 1 else "alone"
             super().__init__(programs, setting, is_stepped=is_stepped)
@@ -367,10 +369,10 @@ class _OwnJob(Job):
 
 
 def _spare(
-    leases: contextlib.ExitStack, programs: Sequence[Program], patience: float | None = 1.0, **more: Any
+    leases: contextlib.ExitStack, programs: Sequence[Program], until: float = 0.0, **more: Any
 ) -> list[_OwnJob]:
-    """Return a job that tells more of programs which are watched anyway; none if no domain is free for it in time."""
+    """Return a job that tells more of programs which are watched anyway; none if no domain is free for it by then."""
     try:
-        return [_OwnJob(leases, programs, patience=patience, **more)]
+        return [_OwnJob(leases, programs, until=until or time.monotonic() + _SPARE, **more)]
     except NoDomainError:
         return []
