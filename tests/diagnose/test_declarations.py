@@ -24,7 +24,7 @@ class Base(Node):
     def __init__(self, name, **more):
         super().__init__(name, **more)
         self.declare_parameter('turn', 2.0)
-
+    def first(self): return self.get_parameter(self.key).value
 
 class Driver(Base):
 """
@@ -70,6 +70,8 @@ LONE = "def read(self, name):\n    return self.get_parameter(name).value\n"
         ("for one, first in {'kp': 1.0}.items():\n    print(self.get_parameter(one).value)", "", "kp", ["get_parameter(one)"], "'kp'", "write `self.declare_parameter(one, first)` above"),
         ("self.rate = self.get_parameter(RATE).get_parameter_value().integer_value", "", "rate", ["get_parameter(RATE)"], "'rate'", "write `self.declare_parameter(RATE, 1)` above"),
         ("self.all = {one: self.get_parameter(one).value for one in ('kp', 'ki')}", "", "kp", ["self.all"], "'kp'", "write `for one in ('kp', 'ki'): self.declare_parameter(one, ...)` above"),
+        ("self.key = 'rate'\nprint(self.first())", "", "rate", ["self.first()", "get_parameter(self.key)"], "'rate'", "write `self.declare_parameter(self.key, ...)` above"),
+        ("held = Base\nheld.key = 'rate'\nprint(self.get_parameter(held.key).value)", "", "rate", ["get_parameter(held.key)"], "'rate'", "write `self.declare_parameter(held.key, ...)` above"),
         ("self.name = 'rate'\nprint(self.get_parameter(self.name).value)", "", "rate", ["get_parameter(self.name)"], "'rate'", "write `self.declare_parameter(self.name, ...)` above"),
         ("names = ['kp', 'ki']\nself.a, self.b = self.get_parameters(names)", "", "kp", ["get_parameters(names)"], "'kp'", "`self.declare_parameter('kp', ...)`, and `self.declare_parameter('ki', ...)` above"),
         ("self.a = self.gain('left')", "def gain(self, side):\n    return self.get_parameter(f'{side}.kp').value\n", "left.kp", ["'left'", ".kp"], "'left.kp'", "write `self.declare_parameter(f'{side}.kp', ...)` above"),
