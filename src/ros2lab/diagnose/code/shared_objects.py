@@ -55,7 +55,10 @@ def _kept_in_loops(source: PythonSource, function: Function) -> Iterator[Finding
             if made is None or changed is None or not bound.isdisjoint((name, kept.holder)):
                 continue
             cause = f"{kept.holder} gets the same object each time through the loop, and {_line(changed)} changes it, so all its items show the last value."
-            fix = f"move `{ast.unparse(made)}` into the loop"
+            use = {n.lineno for n in own_nodes(function) if isinstance(n, ast.Name) and n.id == name}
+            between = [str(line) for line in sorted(use) if made.lineno < line < loop.lineno]
+            lines = f"line{'s' * (len(between) > 1)} {', '.join(between)}"
+            fix = f"move `{ast.unparse(made)}` into the loop{f', and after it {lines}' if between else ''}"
             yield Finding("one-object", cause, source.at(kept.node), fix)
 
 
