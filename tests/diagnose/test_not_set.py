@@ -23,6 +23,10 @@ class Base(Node):
         super().__init__('base')
         self.__speed = 0.0
         self.car = Car()
+        self.greet()
+
+    def greet(self):
+        pass
 
 
 class Taxi(Base):
@@ -46,8 +50,9 @@ ROWS = [
     (("pass", "pass", "print(self.car.__wheels)"), "_Taxi__wheels", "private-name", "write _wheels instead of __wheels everywhere in "),
     (("print(self.__mood)", "pass", "self.__mood = 1"), "_Taxi__mood", "attribute-missing", "set self.__mood above this line,"),
     (("print(self.mood)", "pass", "self.mood = 1"), "mood", "attribute-missing", "set self.mood above this line,"),
-    (("print(self.mood)", "self.mood = 1", "pass"), "mood", "attribute-missing", "make sure that line 22 runs before this line"),
-    (("self.show()", "self.trips = 1", "pass\n\n    def show(self):\n        print(self.trips)"), "trips", "attribute-missing", "make sure that line 22 runs before this line"),
+    (("print(self.mood)", "self.mood = 1", "pass"), "mood", "attribute-missing", "make sure that line 26 runs before this line"),
+    (("self.show()", "self.trips = 1", "pass\n\n    def show(self):\n        print(self.trips)"), "trips", "attribute-missing", "set self.trips above line 25, to what show() is to begin with"),
+    (("self.fuel = 2", "self.trips = 1", "pass\n\n    def greet(self):\n        print(self.trips)\n        print(self.fuel)"), "trips", "attribute-missing", "set self.trips and self.fuel above line 23, to what greet() is to begin with"),
     (("pass", "pass", "self.mood = self.mood + 1"), "mood", "attribute-missing", "set self.mood in __init__,"),
     (("self.mood: int", "pass", "print(self.mood)"), "mood", "attribute-missing", "set self.mood in __init__,"),
     (("self.mood = 1", "del self.mood", "print(self.mood)"), "mood", "attribute-unknown", "remove mood here, or define it in Taxi"),

@@ -60,7 +60,7 @@ def told(
         ("body", "print(self.last); self.last = self.twist; self.twist.linear.x += 0.1", "copy.deepcopy(self.twist)"),
         ("body", "self.points.append(self.twist); self.twist.angular.z = 1.0", "copy.deepcopy(self.twist)"),
         ("main", "p = Point(); l = []\n    for i in range(3): p.x = float(i); l.append(p)", "move `p = Point()` into the loop"),
-        ("main", "p = Point()\n    p.z = 1.0\n    l = []\n    p.y = 2.0\n    for i in range(3): p.x = float(i); l.append(p)", "move `p = Point()` into the loop, and after it lines 28, 30"),
+        ("main", "p = Point()\n    p.z = 1.0\n    l = []\n    p.y = 2.0\n    for i in range(3): p.x = float(i); l.append(p)", "move `p = Point()` into the loop, and after it lines 28 and 30"),
         ("main", "p = Point(); l = []\n    p.z = 1.0\n    for i in range(3): p.x = float(i); l.append(p)", "into the loop, and after it line 28"),
         ("main", "row = []; grid = []\n    while len(grid) < 3: row.append(0); grid.append(row)", "move `row = []` into the loop"),
         ("main", "grid = [[0, 0]] * 3; grid[1][0] = 5", "[[0, 0] for _ in range(3)]"),

@@ -6,7 +6,7 @@ import ast
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
-from ros2lab.diagnose.finding import Finding
+from ros2lab.diagnose.finding import Finding, these_lines
 from ros2lab.diagnose.sources.node_source import NodeClass, is_self_attribute
 from ros2lab.diagnose.sources.python_source import Function, PythonSource, own_nodes, walk
 from ros2lab.diagnose.sources.static_value import dotted
@@ -56,9 +56,9 @@ def _kept_in_loops(source: PythonSource, function: Function) -> Iterator[Finding
                 continue
             cause = f"{kept.holder} gets the same object each time through the loop, and {_line(changed)} changes it, so all its items show the last value."
             use = {n.lineno for n in own_nodes(function) if isinstance(n, ast.Name) and n.id == name}
-            between = [str(line) for line in sorted(use) if made.lineno < line < loop.lineno]
-            lines = f"line{'s' * (len(between) > 1)} {', '.join(between)}"
-            fix = f"move `{ast.unparse(made)}` into the loop{f', and after it {lines}' if between else ''}"
+            between = [line for line in sorted(use) if made.lineno < line < loop.lineno]
+            more = f", and after it {these_lines(between)}" if between else ""
+            fix = f"move `{ast.unparse(made)}` into the loop{more}"
             yield Finding("one-object", cause, source.at(kept.node), fix)
 
 

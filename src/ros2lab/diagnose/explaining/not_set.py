@@ -5,13 +5,15 @@ from __future__ import annotations
 import ast
 
 from ros2lab.diagnose.code.private_names import of_another
-from ros2lab.diagnose.finding import Finding, these_lines
+from ros2lab.diagnose.finding import Finding, in_a_row, these_lines
 from ros2lab.diagnose.look import Look
 from ros2lab.diagnose.printed.error_text import ErrorText, own_frames
 from ros2lab.diagnose.printed.spots import Spot, spot_of
 from ros2lab.diagnose.sources.interfaces import node_members
-from ros2lab.diagnose.sources.node_source import is_self_attribute
-from ros2lab.diagnose.sources.python_source import walk
+from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
+from ros2lab.diagnose.sources.one_run import own_calls
+from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
+from ros2lab.diagnose.sources.syntax_parts import calls_in
 
 
 def as_written(name: str, spot: Spot) -> str:
@@ -41,11 +43,12 @@ def not_set(name: str, asked: str, spot: Spot, look: Look) -> Finding | None:
     named = [known for known in sources.classes.values() if known.definition.name == asked]
     is_own = any(owner in sources.lineage(known)[0] for known in named)
     is_asked = is_own and any(map(is_self_attribute, uses))
-    return _too_early(owner.definition, name, spot) if is_asked else None
+    return _too_early(sources, owner, name, spot) if is_asked else None
 
 
-def _too_early(around: ast.ClassDef, name: str, spot: Spot) -> Finding | None:
+def _too_early(sources: NodeSources, owner: NodeClass, name: str, spot: Spot) -> Finding | None:
     """Explain an attribute of self that other lines of its class set; None if none does, or if it is deleted."""
+    around = owner.definition
     same = [node for node in walk(around) if is_self_attribute(node) and node.attr == name]
     stored = [node for node in same if isinstance(node.ctx, ast.Store)]
     if not stored or any(isinstance(node.ctx, ast.Del) for node in same):
@@ -57,6 +60,17 @@ def _too_early(around: ast.ClassDef, name: str, spot: Spot) -> Finding | None:
     where = f", in {functions[lines[0]]}()" if len({*functions.values()}) == 1 else ""
     which = f": what sets it ({these_lines(lines)}{where}) has not run yet for this object" if lines else ""
     cause = f"self.{name} is used here before anything has set it{which}."
+    made = owner.methods.get("__init__")
+    later = [line for line in lines if functions[line] == "__init__"]
+    if made and later and (call := _leading_to(sources, owner, made, spot, later[0])):
+        own = {
+            n.attr: n.lineno for n in own_nodes(made) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)
+        }
+        read = [n.attr for n in own_nodes(spot.function) if is_self_attribute(n)]
+        needed = [f"self.{one}" for one in dict.fromkeys([name, *read]) if own.get(one, 0) > call.lineno]
+        cause = f"self.{name} is used here before line {later[0]} sets it: line {call.lineno}, `{ast.unparse(call)}`, leads to {reader}()."
+        fix = f"set {in_a_row(needed)} above line {call.lineno}, to what {reader}() is to begin with"
+        return Finding("attribute-missing", cause, spot.place, fix)
     first = next((line for line in lines if functions[line] in ("__init__", reader)), None)
     begun = "above this line" if reader == "__init__" else "in __init__"
     fix = (
@@ -65,6 +79,23 @@ def _too_early(around: ast.ClassDef, name: str, spot: Spot) -> Finding | None:
         else f"set self.{name} {begun}, to the value that it has at the beginning"
     )
     return Finding("attribute-missing", cause, spot.place, fix)
+
+
+def _leading_to(
+    sources: NodeSources, owner: NodeClass, made: Function, spot: Spot, before: int
+) -> ast.Call | None:
+    """Return the first call in a constructor that leads to the method around a line, above another line; None if none does."""
+    for call in sorted(calls_in(own_nodes(made)), key=lambda call: call.lineno):
+        is_super = ast.unparse(call.func) == "super().__init__"
+        first = call.func.attr if is_self_attribute(call.func) else ""
+        bases = [inner.methods.get("__init__") for inner in sources.lineage(owner)[0][1:]] if is_super else []
+        found = list(filter(None, [*bases, sources.method(owner, first)]))
+        for function in found:  # grows
+            inner = (sources.method(owner, name) for name in own_calls(function))
+            found += [method for method in inner if method and method not in found]
+        if call.lineno < before and spot.function in found:
+            return call
+    return None
 
 
 def taken_from_rclpy(error: ErrorText, known: list[Finding], look: Look) -> Finding | None:
