@@ -53,7 +53,6 @@ def lost_values(uses: Uses) -> Iterator[Finding]:
                 yield from left_at_default(source, owner, node, flow.unset)
     for owner in uses.sources.nodes if not uses.named["setattr"] else ():
         state = State(uses, owner)
-        yield from _never_taken(state, kept[owner], flows.get(owner, ()))
         objects = [own for flow in flows.get(owner, ()) for own in flow.filled.values()]
         yield from unread_attributes(state, [*objects, *kept[owner].values()])
 
@@ -62,19 +61,6 @@ def kept_by(owner: NodeClass) -> Mapping[str, Filled]:
     """Return the messages that a class makes and keeps in its attributes."""
     nodes = [node for function in owner.functions for node in walk(function)]
     return filled_in(owner.source, nodes, begin="self.")
-
-
-def _never_taken(state: State, kept: Mapping[str, Filled], flows: Sequence[Flow]) -> Iterator[Finding]:
-    """Yield the messages that a class keeps and fills, where it sends another one without any value."""
-    methods = {id(function) for function in state.owner.functions}
-    for made in kept.values():
-        used = [*state.loads.get(made.name, ()), *state.stores.get(made.name, ())]
-        is_own = all(id(use[0]) in methods for use in used) and made.name[5:] not in state.uses.read_of_others
-        ways = [(flow, way) for flow in flows for way in flow.empty_ones(made.kind)]
-        is_lost = any(map(says_something, made.fills)) and not made.others and not made.sent
-        if is_lost and is_own and len(ways) == 1:
-            flow, (node, given) = ways[0]
-            yield flow.sent_instead(made, node, given, state.owner.definition.name)
 
 
 class Flow:
@@ -99,7 +85,7 @@ class Flow:
             self.open |= {*node.names} if isinstance(node, (ast.Global, ast.Nonlocal)) else set()
         filled = filled_in(source, self.nodes, dict(self._answers()))
         self.filled = {name: made for name, made in filled.items() if name not in self.open}
-        self._known = {**kept, **self.filled}
+        self._kept, self._known = kept, {**kept, **self.filled}
         self.unset = [*unset_in(made for made in self.filled.values() if made.made)]
 
     def _answers(self) -> Iterator[tuple[str, str]]:
@@ -113,8 +99,15 @@ class Flow:
     def findings(self) -> Iterator[Finding]:
         """Yield what is lost in the function."""
         for made in self.filled.values():
-            if made.fills and not made.others:
-                yield from self._of_filled(made) if made.sent else self._never_sent(made)
+            if made.sent and not made.others:
+                yield from self._of_filled(made)
+            elif made.fills and not made.others and not made.shown:
+                yield from self._never_sent(made)
+        for made in self._kept.values():
+            is_here = any(says_something(fill) for fill in made.fills if fill.statement in self.nodes)
+            ways = self.empty_ones(made.kind) if is_here else []
+            if len(ways) == 1 and not (made.sent or made.others or made.shown):
+                yield self._sent_instead(made, *ways[0])
         yield from self._changed_late()
 
     def _of_filled(self, made: Filled) -> Iterator[Finding]:
@@ -134,7 +127,7 @@ class Flow:
         elif first:
             below = self._below(lost[-1].statement)
             ways = [way for way in self.empty_ones(made.kind) if way[0] in below]
-            yield from (self.sent_instead(made, *way) for way in ways[:1])
+            yield from (self._sent_instead(made, *way) for way in ways[:1])
 
     def _made_again(self, made: Filled, fill: Fill) -> ast.stmt | None:
         """Return the statement that makes an object anew in every run after it is filled."""
@@ -189,7 +182,7 @@ class Flow:
         ways = self.empty_ones(made.kind) or self._handed_on(senders)
         places = [(own, path) for own, path, kind in self.unset if kind == made.kind and own is not made]
         if len(ways) == 1 and any(map(says_something, made.fills)):
-            yield self.sent_instead(made, *ways[0])
+            yield self._sent_instead(made, *ways[0])
         elif len(places) == 1:
             ((own, path),) = places
             fix = f"write `{own.name}.{path} = {made.name}` above line {own.sent[0].lineno}"
@@ -210,12 +203,12 @@ class Flow:
         calls = [n for n in calls_in(self.nodes) if ast.unparse(n.func) in senders and n.args]
         return [(call, call.args[0]) for call in calls if dotted(call.args[0]) in given]
 
-    def sent_instead(self, made: Filled, node: _Sent, given: ast.expr, by: str = "") -> Finding:
-        """Tell that others get an empty object where another one of its type is filled, perhaps by a class."""
+    def _sent_instead(self, made: Filled, node: _Sent, given: ast.expr) -> Finding:
+        """Tell that others get an empty object where another one of its type is filled."""
         is_end, text = isinstance(node, ast.Return), ast.unparse(given)
         does = "returns" if is_end else "publishes" if "publish" in ast.unparse(node) else "sends"
-        who, where = (by, f"{self.function.name}()") if by else (f"{self.function.name}()", "it")
-        cause = f"{who} fills {made.name} but never {'returns' if is_end else 'sends'} it: {where} {does} {text} instead."
+        who = f"{self.function.name}()"
+        cause = f"{who} fills {made.name} but never {'returns' if is_end else 'sends'} it: it {does} {text} instead."
         if made.sent:
             cause = f"What {who} fills into {made.name} above does not go out: it {does} {text} here instead."
         fix = f"write return {made.name}" if is_end else f"write {ast.unparse(node.func)}({made.name})"  # type: ignore[union-attr]

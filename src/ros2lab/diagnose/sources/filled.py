@@ -38,7 +38,8 @@ class Filled:
         made: the statements that make it; none if ROS does.
         fills: what gives its fields a value, in order.
         sent: the calls and returns that give it to others.
-        others: all else that may read or fill it, but logs.
+        shown: where a log shows it.
+        others: all else that may read or fill it.
     """
 
     name: str
@@ -46,6 +47,7 @@ class Filled:
     made: list[ast.stmt] = field(default_factory=list)
     fills: list[Fill] = field(default_factory=list)
     sent: list[ast.Call | ast.Return] = field(default_factory=list)
+    shown: list[ast.AST] = field(default_factory=list)
     others: list[ast.AST] = field(default_factory=list)
 
     @property
@@ -144,8 +146,9 @@ def _note_use(source: PythonSource, own: Filled, node: ast.expr) -> None:
         own.sent.append(call if isinstance(call, ast.Call) else around)  # type: ignore[arg-type]
     elif _grows(source, whole, around):
         own.fills.append(Fill(ast.unparse(whole.value), statement, None))  # type: ignore[attr-defined]
-    elif not any(is_log(outer) for outer in around_of(source, whole)):
-        own.others.append(node)
+    else:
+        is_shown = any(is_log(outer) for outer in around_of(source, whole))
+        (own.shown if is_shown else own.others).append(node)
 
 
 def _parts_on(source: PythonSource, node: ast.expr) -> Iterator[ast.expr]:
