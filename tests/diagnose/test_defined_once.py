@@ -60,6 +60,8 @@ def test_what_was_meant_for_each_is_told(tmp_path: Path, code: str, fix: str) ->
         "def roll(source=random.Random(3)): return source",
         "def add(x, to=()): return [*to, x]",
         "def add(x, to=[]): return to + [x]",
+        "def middle(values=[3, 1, 2]):\n  values.sort()\n  return values[1]",
+        "def last(values=[3, 1, 2]):\n  values.reverse()\n  return values[0]",
         "def add(x, to=[]):\n  to = list(to)\n  to.append(x)\n  return to",
         "def load(x, cache={}):\n  if x not in cache: cache[x] = 1\n  return cache[x]",
         "class C:\n  def __init__(self, items=[]): self.items = list(items)\n  def add(self, x): self.items.append(x)",

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
-from ros2lab.diagnose.code.left_at_default import left_at_default, unread_attributes
+from ros2lab.diagnose.code.left_at_default import PURE, left_at_default, unread_attributes
 from ros2lab.diagnose.finding import Finding
 from ros2lab.diagnose.sources.commented_out import disabled
 from ros2lab.diagnose.sources.filled import (
@@ -20,7 +20,7 @@ from ros2lab.diagnose.sources.filled import (
 )
 from ros2lab.diagnose.sources.liveness import FILL, LOG, live_after
 from ros2lab.diagnose.sources.node_source import NodeClass
-from ros2lab.diagnose.sources.one_run import blocks, in_loops
+from ros2lab.diagnose.sources.one_run import blocks
 from ros2lab.diagnose.sources.python_source import (
     Function,
     PythonSource,
@@ -231,22 +231,14 @@ class Flow:
         }
 
     def _changed_late(self) -> Iterator[Finding]:
-        """Yield variables that change when their value is copied already, and nothing reads what they are then."""
-        loops = in_loops(self.function)
-        for statement in (n for n in self.nodes if isinstance(n, (ast.Assign, ast.AugAssign))):
-            targets = statement.targets if isinstance(statement, ast.Assign) else [statement.target]
-            name = targets[0].id if len(targets) == 1 and isinstance(targets[0], ast.Name) else ""
-            is_lost = {name, LOG + name, FILL + name}.isdisjoint(self.live.get(id(statement), (name,)))
-            if not name or not is_lost or name in self.open or ast.unparse(statement.value) == "None":
-                continue
-            if copied := self._copied(name, statement):
+        """Yield variables that get another value when theirs is copied already, and nothing reads the new one."""
+        for statement, name in _recomputed(self.nodes):
+            is_read = not {name, LOG + name, FILL + name}.isdisjoint(self.live.get(id(statement), (name,)))
+            copied = None if is_read or name in self.open else self._copied(name, statement)
+            if copied:
                 cause = f"`{line_of(copied)}` copies {name} before line {statement.lineno} changes it, so what is sent has the value from before."
                 fix = f"move `{line_of(copied)}` below line {self._end_of(statement, copied)}"
                 yield Finding("filling-lost", cause, self.source.at(copied), fix)
-            elif id(statement) not in loops and (begin := self._begun_anew(name, statement)):
-                cause = f"{name} is a local variable, which is {begin} again in each call of {self.function.name}(), so `{line_of(statement)}` has no effect."
-                fix = f"write self.{name} instead of {name} in {self.function.name}(), and move `self.{name} = {begin}` into __init__"
-                yield Finding("not-kept", cause, self.source.at(statement), fix)
 
     def _copied(self, name: str, statement: ast.stmt) -> ast.stmt | None:
         """Return what copies a variable into a field of an object that is sent only after a statement."""
@@ -265,21 +257,19 @@ class Flow:
         around = next((n for n in siblings if statement in walk(n)), statement)
         return getattr(around, "end_lineno", statement.lineno)
 
-    def _begun_anew(self, name: str, statement: ast.stmt) -> str:
-        """Return the number to which a callback sets a variable in each call, if all else it does is to use and to count it."""
-        names = [n for n in self.nodes if isinstance(n, ast.Name) and n.id == name]
-        is_used = any(isinstance(n.ctx, ast.Load) for n in names)
-        is_once = sum(isinstance(n.ctx, ast.Store) for n in names) == 2 and is_used
-        is_counted = isinstance(statement, ast.AugAssign) and isinstance(statement.value, ast.Constant)
-        is_called = self.owner is not None and id(self.function) in self.uses.callbacks
-        for target, value in assignments(self.function.body) if is_once and is_counted and is_called else ():
-            if (
-                dotted(target) == name
-                and isinstance(value, ast.Constant)
-                and isinstance(value.value, (int, float))
-            ):
-                return ast.unparse(value)
-        return ""
+
+def _recomputed(nodes: Iterable[ast.AST]) -> Iterator[tuple[ast.stmt, str]]:
+    """Yield the statements that make a variable's new value out of the old one, but do not count, with its name."""
+    for node in nodes:
+        match node:
+            case ast.AugAssign(target=ast.Name(id=name), value=ast.JoinedStr() | ast.Constant(value=str())):
+                yield node, name
+            case ast.Assign(value=ast.BinOp(op=ast.Add() | ast.Sub(), right=ast.Constant(value=int()))):
+                continue
+            case ast.Assign(targets=[ast.Name(id=name)], value=value) if name in names_read(walk(value)):
+                # Another function may have changed the object itself.
+                if PURE.issuperset(last_name(call.func) for call in calls_in(walk(value))):
+                    yield node, name
 
 
 def says_something(fill: Fill) -> bool:

@@ -27,9 +27,8 @@ def stores_in(nodes: Iterable[ast.AST]) -> Iterator[ast.Name | ast.Attribute]:
 
 ADDS = frozenset(("append", "appendleft", "insert", "extend", "add"))
 TAKES_OUT = frozenset(("remove", "pop", "popleft", "discard", "popitem", "clear"))
-CHANGES = (
-    ADDS | TAKES_OUT | {"update", "setdefault", "sort", "reverse"}
-)  # methods that change a collection in place
+# Methods that put other items into a collection; an order may be made anew each time.
+CHANGES = ADDS | TAKES_OUT | {"update", "setdefault"}
 
 
 def changed_by(node: ast.AST) -> ast.expr | None:
