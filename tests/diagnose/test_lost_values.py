@@ -9,6 +9,7 @@ import pytest
 from one_file import sources_of
 
 from ros2lab.diagnose.code.lost_values import lost_values
+from ros2lab.diagnose.sources.node_source import NodeSources
 from ros2lab.diagnose.sources.uses import Uses
 
 FILE = """\
@@ -55,9 +56,12 @@ class Robot(Node):
 
 def main():
     rclpy.init()
-    rclpy.spin(Robot())
+    robot = Robot()
+    {main}
+    rclpy.spin(robot)
 """
 RIGHT = {
+    "main": "pass",
     "init": "pass",
     "on": "response.success = True\nreturn response",
     "tick": "pass",
@@ -72,9 +76,16 @@ STAMP = f"msg.header.stamp = {NOW}\n"
 POSE = "msg = PoseStamped()\n"
 
 
+def sources_with(folder: Path, bodies: Mapping[str, str]) -> NodeSources:
+    inside = {
+        name: text.replace("\n", "\n    " if name == "main" else "\n        ")
+        for name, text in {**RIGHT, **bodies}.items()
+    }
+    return sources_of(FILE.format(**inside), folder)
+
+
 def told(folder: Path, bodies: Mapping[str, str]) -> list[str]:
-    inside = {name: text.replace("\n", "\n        ") for name, text in {**RIGHT, **bodies}.items()}
-    found = lost_values(Uses(sources_of(FILE.format(**inside), folder)))
+    found = lost_values(Uses(sources_with(folder, bodies)))
     return [f"{finding.code}: {finding.cause} {finding.fix}" for finding in found]
 
 
@@ -192,6 +203,16 @@ REACHED = [
     {"tick": f"{POSE}_, frame_id = self.look_up()\nprint(_)\n{STAMP}{Q}"},
     {"init": "self.frame_id = 'map'", "tick": f"{POSE}{STAMP}msg.header.frame_id = 'odom'\n{Q}\npose = PoseStamped()\n{Q.replace('msg', 'pose')}"},
     {"init": "self.frame_id = 'map'", "tick": f"{POSE}{STAMP}msg.header.frame_id = self.frame_id\n{Q}"},
+    {"init": "self.msg = PoseStamped()\nself.frame_id = 'map'", "main": "robot.msg.header.frame_id = 'odom'", "tick": "self.poses.publish(self.msg)"},
+    {"init": "self.msg = PoseStamped()\nself.frame_id = 'map'", "main": "robot.msg = filled()", "tick": "self.poses.publish(self.msg)"},
+    {"init": "self.msg = PoseStamped()\nself.frame_id = 'map'", "main": "def fill(node):\n    node.msg.header.frame_id = 'odom'", "tick": "fill(self)\nself.poses.publish(self.msg)"},
+    {"init": "import filling\nself.msg = PoseStamped()\nself.frame_id = 'map'\nfilling.fill(self)", "tick": "self.poses.publish(self.msg)"},
+    {"init": "self.linear_x = 0.1\nself.msg = Twist()\nnode = self\ndef step():\n    node.msg.linear.x = 0.2\nself.step = step", "tick": "self.pub.publish(self.msg)"},
+    {"init": "self.frame_id = 'map'", "more": "from operator import attrgetter\nprint(attrgetter('frame_id')(self))", "tick": f"{POSE}{STAMP}{Q}"},
+    {"more": f"def publish(msg):\n    {STAMP}    {Q}", "tick": f"now = {NOW}\n{POSE}self.publish(msg)"},
+    {"more": "def publish(msg):\n    self.waiting.append(msg)", "tick": f"{T}self.outbox.publish(msg)\nmsg.linear.x = 1.0\nself.outbox.flush()"},
+    {"more": "def call(msg):\n    return msg", "tick": f"{T}cmd = self.call(msg)\nmsg.linear.x = 0.5\nself.pub.publish(cmd)"},
+    {"init": "self.frame_id = 'map'", "tick": f"msg = PoseStamped(**self.fields())\n{STAMP}{Q}"},
     {"init": f"self.last_time = {NOW}\nself.linear = 0.1", "tick": f"{POSE}{Q}\nmsg = Twist()\nmsg.angular.z = 1.0\n{P}"},
 ]  # fmt: skip
 
@@ -201,3 +222,10 @@ def test_of_what_somebody_gets_or_nobody_misses_nothing_is_told(
     tmp_path: Path, bodies: Mapping[str, str]
 ) -> None:
     assert told(tmp_path, bodies) == []
+
+
+def test_an_attribute_that_another_package_may_read_is_left_alone(tmp_path: Path) -> None:
+    sources = sources_with(tmp_path, {"init": "self.frame_id = 'map'", "tick": f"{POSE}{Q}"})
+    assert [*lost_values(Uses(sources))]
+    for used in ([*sources.classes], [*sources.sources]):
+        assert not [*lost_values(Uses(NodeSources(sources.sources, used)))]

@@ -14,7 +14,6 @@ from ros2lab.diagnose.sources.filled import (
     filled_in,
     is_among,
     kind_of,
-    sends,
     statement_of,
     unset_in,
 )
@@ -32,8 +31,8 @@ from ros2lab.diagnose.sources.python_source import (
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.syntax_parts import calls_in
-from ros2lab.diagnose.sources.uses import State, Uses
+from ros2lab.diagnose.sources.syntax_parts import calls_in, calls_of
+from ros2lab.diagnose.sources.uses import SENDS, State, Uses
 
 _READS_ALL = frozenset(("locals", "vars", "exec", "eval"))
 _LEAVES = (ast.Return, ast.Raise, ast.Break, ast.Continue)
@@ -43,24 +42,34 @@ _Sent = ast.Call | ast.Return
 def lost_values(uses: Uses) -> Iterator[Finding]:
     """Yield the values that functions make, and the attributes of node classes, that reach nobody."""
     flows = dict[NodeClass | None, list[Flow]]()
-    kept = {owner: kept_by(owner) for owner in uses.sources.classes.values()}
+    kept = {owner: kept_by(uses, owner) for owner in uses.sources.classes.values() if _is_own(uses, owner)}
     for source in uses.sources.sources.values():
         for owner, _, node in uses.sources.scoped(source):
             if isinstance(node, Function) and _READS_ALL.isdisjoint(names_read(own_nodes(node))):
-                flow = Flow(uses, source, owner, node, kept[owner] if owner else {})
+                flow = Flow(uses, source, owner, node, kept[owner] if owner in kept else {})
                 flows.setdefault(owner, []).append(flow)
                 yield from flow.findings()
                 yield from left_at_default(source, owner, node, flow.unset)
-    for owner in uses.sources.nodes if not uses.named["setattr"] else ():
-        state = State(uses, owner)
+    for owner in filter(kept.__contains__, uses.sources.nodes):
         objects = [own for flow in flows.get(owner, ()) for own in flow.filled.values()]
-        yield from unread_attributes(state, [*objects, *kept[owner].values()])
+        yield from unread_attributes(State(uses, owner), [*objects, *kept[owner].values()])
 
 
-def kept_by(owner: NodeClass) -> Mapping[str, Filled]:
-    """Return the messages that a class makes and keeps in its attributes."""
+def _is_own(uses: Uses, owner: NodeClass) -> bool:
+    """Return whether only the package's own code uses the attributes of a class."""
+    is_ours = {owner.name, owner.source.name}.isdisjoint(uses.sources.used) and not uses.named["setattr"]
+    return is_ours and not uses.sources.hands_itself_on(owner.source)
+
+
+def kept_by(uses: Uses, owner: NodeClass) -> Mapping[str, Filled]:
+    """Return the messages that a class makes and keeps in its attributes, where nothing else uses these."""
     nodes = [node for function in owner.functions for node in walk(function)]
-    return filled_in(owner.source, nodes, begin="self.")
+    state, foreign = State(uses, owner), {*uses.read_of_others, *uses.stored_of_others}
+    # Derived classes and bases are foreign, too.
+    uses_of_all = ((name, use[0]) for of in (state.loads, state.stores) for name in of for use in of[name])
+    foreign |= {name[5:] for name, function in uses_of_all if function not in owner.functions}
+    found = filled_in(uses, owner.source, nodes, begin="self.")
+    return {name: made for name, made in found.items() if name[5:] not in foreign}
 
 
 class Flow:
@@ -83,7 +92,7 @@ class Flow:
         self.open = {node.id for node in inner if isinstance(node, ast.Name)}
         for node in self.nodes:
             self.open |= {*node.names} if isinstance(node, (ast.Global, ast.Nonlocal)) else set()
-        filled = filled_in(source, self.nodes, dict(self._answers()))
+        filled = filled_in(uses, source, self.nodes, dict(self._answers()))
         self.filled = {name: made for name, made in filled.items() if name not in self.open}
         self._kept, self._known = kept, {**kept, **self.filled}
         self.unset = [*unset_in(made for made in self.filled.values() if made.made)]
@@ -164,7 +173,7 @@ class Flow:
     def empty_ones(self, kind: str) -> list[tuple[_Sent, ast.expr]]:
         """Return where the function gives others an object of a type without any value in it, and that object."""
         ways: list[tuple[_Sent, ast.expr]] = [
-            (n, n.args[0]) for n in calls_in(self.nodes) if sends(n) and n.args
+            (n, n.args[0]) for n in calls_of(self.nodes, *self.uses.senders) if n.args
         ]
         ways += [(n, n.value) for n in self.nodes if isinstance(n, ast.Return) and n.value is not None]
         return [(node, given) for node, given in ways if self._is_empty(given, kind)]
@@ -193,7 +202,7 @@ class Flow:
             line, back = disabled(self.source.text, [self.function], rf"\.\w+\({made.name}\)")
             where = _sending_place(self.function, made.made[0], fill.lineno)
             fix = back if line else f"write `{way}` {where}"
-            if not any(sends(call) for call in calls_in(self.nodes)):
+            if not calls_of(self.nodes, *SENDS):
                 yield Finding("never-sent", f"{cause} but never sends it.", place, fix)
 
     def _handed_on(self, senders: Collection[str]) -> list[tuple[_Sent, ast.expr]]:

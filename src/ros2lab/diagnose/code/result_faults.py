@@ -123,7 +123,7 @@ def _result_lost(
     function = called_function(uses.sources, source, owner, called)
     is_other = is_self_attribute(called) and _is_overridden(uses, called.attr)
     is_pythons = isinstance(called, ast.Name) and called.id in _OF_PYTHON and not source.binders(called)[1]
-    if is_other or not (_only_computes(source, function) if function else is_pythons):
+    if is_other or not (_only_computes(uses, source, function) if function else is_pythons):
         return
     text = ast.unparse(value)
     given = [ast.unparse(argument) for argument in value.args if dotted(argument) in source.stored]
@@ -210,10 +210,10 @@ def _uses_value(node: ast.AST, name: str, is_method: bool) -> bool:
     return any(isinstance(value, ast.Call) and dotted(value.func) == called for value in values)
 
 
-def _only_computes(source: PythonSource, function: Function) -> bool:
+def _only_computes(uses: Uses, source: PythonSource, function: Function) -> bool:
     """Return whether a function returns a value and does nothing else; it may fill a message that it makes."""
     nodes = own_nodes(function)
-    own = [name for name, made in filled_in(source, nodes).items() if not made.others]
+    own = [name for name, made in filled_in(uses, source, nodes).items() if not made.others]
     is_returning = any(isinstance(node, ast.Return) and node.value is not None for node in nodes)
     for node in nodes:
         is_set = isinstance(node, (ast.Attribute, ast.Subscript)) and isinstance(node.ctx, ast.Store)

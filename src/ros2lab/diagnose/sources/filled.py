@@ -11,12 +11,10 @@ from ros2lab.diagnose.sources.interfaces import field_kind, fields_of
 from ros2lab.diagnose.sources.liveness import GROWS
 from ros2lab.diagnose.sources.python_source import PythonSource, assignments
 from ros2lab.diagnose.sources.static_value import dotted
-from ros2lab.diagnose.sources.uses import is_log
+from ros2lab.diagnose.sources.syntax_parts import calls_of
+from ros2lab.diagnose.sources.uses import Uses, is_log
 
 _PART = r"Request|Response|Goal|Result|Feedback"
-# What others get a copy of, or all of it, at once: a later change is not in it.
-_SENDS = frozenset(("publish", "call", "call_async", "send_goal", "send_goal_async", "publish_feedback"))
-_SENDS |= {"sendTransform"}
 
 
 @dataclass(frozen=True)
@@ -96,11 +94,12 @@ def fields_below(kind: str, depth: int = 4) -> Mapping[str, str]:
 
 
 def filled_in(
-    source: PythonSource, nodes: Sequence[ast.AST], given: Mapping[str, str] = {}, begin: str = ""
+    uses: Uses, source: PythonSource, nodes: Sequence[ast.AST], given: Mapping[str, str] = {}, begin: str = ""
 ) -> dict[str, Filled]:
     """Return what some code makes and keeps under a name that stands for nothing else, by the name.
 
     Args:
+        uses: what the package's files use.
         source: the file.
         nodes: the syntax nodes of the code.
         given: the types of what ROS makes for it, by their names.
@@ -119,20 +118,20 @@ def filled_in(
         foreign |= set() if is_alone and (is_copy or kind == own.kind != "") else {name}
         own.made.append(statement)
         if isinstance(value, ast.Call):
-            keywords = [(f"{name}.{keyword.arg}", keyword.value) for keyword in value.keywords]
+            keywords = [(f"{name}.{item.arg}" if item.arg else name, item.value) for item in value.keywords]
             whole = [(name, item) for item in value.args]
             own.fills += [Fill(key, statement, item) for key, item in (*keywords, *whole)]
     found = {name: own for name, own in found.items() if name not in foreign and own.kind}
     for node in nodes:
         used = found.get(dotted(node) or "") if isinstance(node, (ast.Name, ast.Attribute)) else None
         if used is not None and isinstance(node, ast.expr):
-            _note_use(source, used, node)
+            _note_use(uses, source, used, node)
     for own in found.values():
         own.fills.sort(key=lambda fill: (fill.statement.lineno, fill.statement.col_offset))
     return found
 
 
-def _note_use(source: PythonSource, own: Filled, node: ast.expr) -> None:
+def _note_use(uses: Uses, source: PythonSource, own: Filled, node: ast.expr) -> None:
     *_, whole = parts = [*_parts_on(source, node)]
     around, statement = source.above(whole), statement_of(source, whole)
     call = source.above(around) if isinstance(around, ast.keyword) else around
@@ -142,7 +141,7 @@ def _note_use(source: PythonSource, own: Filled, node: ast.expr) -> None:
     elif not isinstance(getattr(whole, "ctx", None), ast.Load):
         value = next((v for target, v in assignments([statement]) if target is whole), None)
         own.fills.append(Fill(ast.unparse(whole), statement, value))
-    elif len(parts) == 1 and (isinstance(around, ast.Return) or (isinstance(call, ast.Call) and sends(call))):
+    elif len(parts) == 1 and (isinstance(around, ast.Return) or calls_of([call or node], *uses.senders)):
         own.sent.append(call if isinstance(call, ast.Call) else around)  # type: ignore[arg-type]
     elif _grows(source, whole, around):
         own.fills.append(Fill(ast.unparse(whole.value), statement, None))  # type: ignore[attr-defined]
@@ -162,11 +161,6 @@ def _parts_on(source: PythonSource, node: ast.expr) -> Iterator[ast.expr]:
 def _grows(source: PythonSource, whole: ast.expr, call: ast.AST | None) -> bool:
     is_called = isinstance(call, ast.Call) and call.func is whole and getattr(whole, "attr", "") in GROWS
     return is_called and call is not None and isinstance(source.above(call), ast.Expr)
-
-
-def sends(call: ast.Call) -> bool:
-    """Return whether a call gives what it takes to others at once."""
-    return getattr(call.func, "attr", "") in _SENDS
 
 
 def around_of(source: PythonSource, node: ast.AST) -> Iterator[ast.AST]:

@@ -21,12 +21,17 @@ from ros2lab.diagnose.sources.python_source import (
     PythonSource,
     assignments,
     given_to,
+    last_name,
     own_nodes,
     walk,
 )
 from ros2lab.diagnose.sources.static_value import dotted
+from ros2lab.diagnose.sources.syntax_parts import own_parameters
 
 LONGEST_NAME = 200  # characters of a string that may name something
+# What others get a copy of, or all of it, at once: a later change is not in it.
+SENDS = frozenset(("publish", "call", "call_async", "send_goal", "send_goal_async", "publish_feedback"))
+SENDS |= {"sendTransform"}
 
 
 class Uses:
@@ -48,6 +53,12 @@ class Uses:
         return tuple(node for source in self.sources.sources.values() for node in source.nodes)
 
     @cached_property
+    def senders(self) -> frozenset[str]:
+        """The methods that give what they take to others at once, without the names of those that the files define."""
+        functions = (node for node in self.nodes if isinstance(node, Function))
+        return SENDS.difference(function.name for function in functions if own_parameters(function))
+
+    @cached_property
     def stored_of_others(self) -> frozenset[str]:
         """The attributes assigned on objects other than `self`, which may be nodes, too."""
         return frozenset(
@@ -64,8 +75,9 @@ class Uses:
         for node in self.nodes:
             if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Load):
                 found |= set() if is_self_attribute(node) else {node.attr}
-            elif isinstance(node, ast.Call) and getattr(node.func, "id", "").endswith("attr"):
-                found |= {str(given.value) for given in node.args if isinstance(given, ast.Constant)}
+            elif isinstance(node, ast.Call) and "attr" in last_name(node.func):
+                given = [str(given.value) for given in node.args if isinstance(given, ast.Constant)]
+                found |= {name for text in given for name in text.split(".")}
         return frozenset(found)
 
     @cached_property
