@@ -46,7 +46,7 @@ def lost_values(uses: Uses) -> Iterator[Finding]:
     for source in uses.sources.sources.values():
         for owner, _, node in uses.sources.scoped(source):
             if isinstance(node, Function) and _READS_ALL.isdisjoint(names_read(own_nodes(node))):
-                flow = Flow(uses, source, owner, node, kept[owner] if owner in kept else {})
+                flow = Flow(uses, source, owner, node, kept.get(owner, {}) if owner else {})
                 flows.setdefault(owner, []).append(flow)
                 yield from flow.findings()
                 yield from left_at_default(source, owner, node, flow.unset)
@@ -110,7 +110,7 @@ class Flow:
         for made in self.filled.values():
             if made.sent and not made.others:
                 yield from self._of_filled(made)
-            elif made.fills and not made.others and not made.shown:
+            elif made.fills and not made.others:
                 yield from self._never_sent(made)
         for made in self._kept.values():
             is_here = any(says_something(fill) for fill in made.fills if fill.statement in self.nodes)
@@ -190,6 +190,13 @@ class Flow:
         place, senders = self.source.at(fill), self._senders(made.kind)
         ways = self.empty_ones(made.kind) or self._handed_on(senders)
         places = [(own, path) for own, path, kind in self.unset if kind == made.kind and own is not made]
+        if made.shown:  # which may be all that is wanted, unless nothing else has a value or is sent at all
+            below, places = self._below(fill, is_same_block=True), []
+            ways = [
+                way for way in ways if isinstance(way[1], ast.Call) and self.source.above(way[0]) in below
+            ]
+            read = {dotted(n) for n in self.source.nodes if isinstance(getattr(n, "ctx", None), ast.Load)}
+            senders = {sender for sender in senders if sender.rpartition(".")[0] not in read}
         if len(ways) == 1 and any(map(says_something, made.fills)):
             yield self._sent_instead(made, *ways[0])
         elif len(places) == 1:
