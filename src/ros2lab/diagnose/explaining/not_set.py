@@ -62,7 +62,8 @@ def _too_early(sources: NodeSources, owner: NodeClass, name: str, spot: Spot) ->
     cause = f"self.{name} is used here before anything has set it{which}."
     made = owner.methods.get("__init__")
     later = [line for line in lines if functions[line] == "__init__"]
-    if made and later and (call := _leading_to(sources, owner, made, spot, later[0])):
+    call = _leading_to(sources, owner, made, spot.function, later[0]) if made and later else None
+    if made and spot.function and call:
         own = {
             n.attr: n.lineno for n in own_nodes(made) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)
         }
@@ -82,18 +83,18 @@ def _too_early(sources: NodeSources, owner: NodeClass, name: str, spot: Spot) ->
 
 
 def _leading_to(
-    sources: NodeSources, owner: NodeClass, made: Function, spot: Spot, before: int
+    sources: NodeSources, owner: NodeClass, made: Function, method: Function | None, before: int
 ) -> ast.Call | None:
-    """Return the first call in a constructor that leads to the method around a line, above another line; None if none does."""
+    """Return the first call in a constructor, above a line, that leads to a method of the class; None if none does."""
     for call in sorted(calls_in(own_nodes(made)), key=lambda call: call.lineno):
         is_super = ast.unparse(call.func) == "super().__init__"
         first = call.func.attr if is_self_attribute(call.func) else ""
         bases = [inner.methods.get("__init__") for inner in sources.lineage(owner)[0][1:]] if is_super else []
-        found = list(filter(None, [*bases, sources.method(owner, first)]))
+        found = [function for function in (*bases, sources.method(owner, first)) if function]
         for function in found:  # grows
             inner = (sources.method(owner, name) for name in own_calls(function))
-            found += [method for method in inner if method and method not in found]
-        if call.lineno < before and spot.function in found:
+            found += [called for called in inner if called and called not in found]
+        if call.lineno < before and method in found:
             return call
     return None
 
