@@ -121,11 +121,15 @@ def _run(paths: Sequence[Path], packages: Sequence[SourcePackage]) -> dict[str, 
 
 def _as_installed(said: str, prefix: Path, packages: Sequence[SourcePackage]) -> str:
     """Return what is said with the paths that files have once the packages are installed."""
-    install = (packages[0].root or packages[0].folder.parent) / "install" if packages else Path("install")
+    install = _install_of(packages)
     names = "|".join(re.escape(package.name) for package in packages)
     said = re.sub(rf"{re.escape(str(prefix))}(?=/share/({names})\b)", rf"{install}/\1", said)
     # Where launch was started stands for the folder in which a student starts it.
     return said.replace(str(prefix), str(install)).replace(str(prefix.parent), str(install.parent))
+
+
+def _install_of(packages: Sequence[SourcePackage]) -> Path:
+    return (packages[0].root or packages[0].folder.parent) / "install" if packages else Path("install")
 
 
 def _as_told(
@@ -179,11 +183,13 @@ def _launched(node: Mapping[str, Any], file: LaunchFile, packages: Sequence[Sour
     alike = (known for known in file.nodes if known.package == node["package"])
     read = [known for known in alike if known.executable in started]
     read = [known for known in read if known.line == node["line"]] or read
+    install = _install_of(packages)
     files = [
-        (package.name, str(path.relative_to(package.folder.resolve())))
+        (package.name, str(path.relative_to(home)))
         for path in (Path(entry) for entry in node["given"] if isinstance(entry, str))
         for package in packages
-        if path.is_relative_to(package.folder.resolve())
+        for home in (package.folder.resolve(), install / package.name / "share" / package.name)
+        if path.is_relative_to(home)
     ]
     return Launched(
         node["package"],
