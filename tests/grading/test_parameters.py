@@ -59,7 +59,7 @@ ROWS: dict[str, tuple[list[Run], float, str]] = {
     "it dies of it": (
         [ALONE, run("period:=0.5", [], end=DIED), NAMED, AGAIN],
         0.5,
-        "period:=0.5, with which it ended by rclpy.exceptions",
+        "period:=0.5, with which it ended by “rclpy.exceptions",
     ),
     "not declared": (
         [run("alone", SAME, held=NO_NAME), run("period:=0.5", SAME, 0.5)],

@@ -123,7 +123,9 @@ def _result_lost(
     function = called_function(uses.sources, source, owner, called)
     is_other = is_self_attribute(called) and _is_overridden(uses, called.attr)
     is_pythons = isinstance(called, ast.Name) and called.id in _OF_PYTHON and not source.binders(called)[1]
-    if is_other or not (_only_computes(uses, source, function) if function else is_pythons):
+    homes = (home for home in uses.sources.sources.values() if any(node is function for node in home.nodes))
+    home = next(homes, None)
+    if is_other or not (_only_computes(uses, home, function) if function and home else is_pythons):
         return
     text = ast.unparse(value)
     given = [ast.unparse(argument) for argument in value.args if dotted(argument) in source.stored]
