@@ -20,14 +20,6 @@ MARKERS = "share/ament_index/resource_index/packages"  # holds a file named for 
 MOST_PLACES = 20
 _HOMES = (("home",), ("root",), ("mnt",), ("media",))  # below which people make folders
 _PATH = re.compile(r"/[\w .+-]+(?:/[\w .+-]+)+/?")
-_GENERATES = re.compile(r"\brosidl_generate_interfaces\s*\(([^()]*)\)")
-# With these, a CMakeLists.txt may name files that do not stand in it.
-_OPEN = re.compile(
-    r"\b(?:include|add_subdirectory|foreach|function|macro|list|file|string|configure_file)\s*\(",
-    re.IGNORECASE,
-)
-_FIELD = re.compile(r"\s*[\w/]+(?:<=\d+)?(?:\[[^\]]*\])?\s+(\w+)")
-_SET = re.compile(r"\bset\s*\(\s*(\w+)\s([^()]*)\)")
 _PROGRAM_NAME = re.compile(r"[A-Za-z0-9_][\w.-]{0,99}")
 
 
@@ -90,26 +82,6 @@ def absent_modules(
         for top in tops - known
         if top.isidentifier() and not interfaces.is_installed(top)
         if top in unbuilt or not (interfaces.meant(top) or any(is_near_miss(top, name) for name in known))
-    }
-
-
-def interfaces_in(folder: Path) -> dict[str, list[str]] | None:
-    """Return the fields of each interface of a package, such as `msg/Speed`; None if its files do not surely tell them."""
-    script = re.sub(r"#.*", "", read_text(folder / "CMakeLists.txt"))
-    words = " ".join(_GENERATES.findall(script)).replace("${PROJECT_NAME}", "")
-    lists = _SET.findall(script)
-    for name, value in lists:
-        words = words.replace(f"${{{name}}}", value)
-    files = [folder / word for word in re.findall(r"[^\s\"';]+\.(?:msg|srv|action|idl)\b", words)]
-    is_known = script and "$" not in words and not _OPEN.search(script) and len(dict(lists)) == len(lists)
-    if not is_known or not all(
-        file.parent == folder / file.suffix[1:] and file.is_file() and not file.is_symlink() for file in files
-    ):
-        return None
-    lines = {file: re.sub(r"#.*", "", read_text(file)).splitlines() for file in files}
-    return {
-        f"{file.parent.name}/{file.stem}": [field[1] for field in map(_FIELD.match, lines[file]) if field]
-        for file in files
     }
 
 

@@ -15,7 +15,6 @@ from ros2lab.grading.reading.absent import (
     MARKERS,
     absent_modules,
     absent_packages,
-    interfaces_in,
     is_installed,
     named_places,
 )
@@ -74,7 +73,6 @@ class Plan:
         absent: the packages that launch files name and that are neither in the submission nor installed here,
             with the executables that launch files start from them.
         absent_modules: the modules that the code imports, of the same kind.
-        interfaces: the fields of all interfaces of those of them that were handed in, where that is known.
         places: folders that the code names by an absolute path.
         settings: sentences on the settings of colcon, Python and pytest in the submission, and how far they
             count.
@@ -94,7 +92,6 @@ class Plan:
     shares: dict[str, str] = field(default_factory=dict)
     absent: dict[str, list[str]] = field(default_factory=dict)
     absent_modules: list[str] = field(default_factory=list)
-    interfaces: dict[str, dict[str, list[str]]] = field(default_factory=dict)
     places: list[str] = field(default_factory=list)
     settings: list[str] = field(default_factory=list)
     shared: list[str] = field(default_factory=list)
@@ -142,8 +139,7 @@ class Plan:
         for name in self.absent_modules:
             module = unbuilt / _MODULES / name / "__init__.py"
             module.parent.mkdir(parents=True)
-            known = f"\n\nINTERFACES = {self.interfaces.get(name)!r}\n"
-            module.write_text(Path(stand_in.__file__).read_text(encoding="utf-8") + known, encoding="utf-8")
+            module.write_text(Path(stand_in.__file__).read_text(encoding="utf-8"), encoding="utf-8")
             (unbuilt / "COLCON_IGNORE").touch()
         for package, executables in self.absent.items():
             for name in executables:
@@ -200,11 +196,6 @@ def plan_for(root: Path, submission: Submission, found: FoundPackage, prefixes: 
             "shares": lambda: dict(_shares(root, taken)),
             "absent": lambda: absent_packages(launched, own, prefixes),
             "absent_modules": lambda: sorted(absent_modules(root, sources, own, unbuilt)),
-            "interfaces": lambda: {
-                name: known
-                for name in sorted(unbuilt)
-                if (known := interfaces_in(root / others[name].folder)) is not None
-            },
             "places": lambda: named_places(sources),
         }
     )

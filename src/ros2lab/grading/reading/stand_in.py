@@ -12,7 +12,6 @@ from __future__ import annotations
 import abc
 import dis
 import functools
-import importlib
 import importlib.abc
 import importlib.machinery
 import itertools
@@ -30,9 +29,6 @@ _UNPACED, _PACE = 10_000, 0.001
 _calls = itertools.count()
 SAYS_YES = "ROS2LAB_STAND_IN_SAYS_YES"  # in the environment where it is one and true
 _TOLD = int(SAYS_YES in os.environ)
-# The fields of all interfaces of a package that was handed in; None if others may be there.
-INTERFACES: dict[str, list[str]] | None = None
-_KINDS = ("msg", "srv", "action")
 
 
 class _Nothing:
@@ -163,8 +159,7 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
     def find_spec(
         self, name: str, _: Sequence[str] | None, __: ModuleType | None = None
     ) -> importlib.machinery.ModuleSpec | None:
-        module, _, last = name.rpartition(".")
-        if not name.startswith(f"{self._top}.") or not _is_there(module, last):
+        if not name.startswith(f"{self._top}."):
             return None
         spec = importlib.machinery.ModuleSpec(name, self, origin=__file__, is_package=True)
         spec.has_location = True  # so that it has all that Python gives to a module
@@ -177,62 +172,30 @@ class _Finder(importlib.abc.MetaPathFinder, importlib.abc.Loader):
 def _named(module: str, name: str) -> Any:
     """Return what a module has under a name that it was not given: an interface type in `msg` and `srv`, else a stand-in."""
     kind = module.rpartition(".")[2]
-    if INTERFACES is not None and module == __name__ and name in _KINDS:
-        return importlib.import_module(f"{module}.{name}")
-    if not _is_there(module, name):
-        raise AttributeError(f"module {module!r} has no attribute {name!r}")
     if kind == "msg" and not name.startswith("__"):
         from std_msgs.msg import Empty  # noqa: PLC0415 -- only where ROS is there
 
-        _received(Empty)
-        return _tolerant(name, Empty, f"msg/{name}")
+        Empty.__getattr__ = _anything  # also for messages that are received
+        return _tolerant(name, Empty)
     if kind == "srv" and not name.startswith("__"):
         from std_srvs.srv import Empty as Call  # noqa: PLC0415
 
-        inner = dict[str, Any]()
-        for part in ("Request", "Response"):
-            _received(getattr(Call, part))
-            inner[part] = _tolerant(f"{name}_{part}", getattr(Call, part), f"srv/{name}")
+        Call.Response.__getattr__ = Call.Request.__getattr__ = _anything
+        inner = {part: _tolerant(f"{name}_{part}", getattr(Call, part)) for part in ("Request", "Response")}
         return type(Call)(name, (Call,), inner)
     return _kind(name)
 
 
-def _is_there(module: str, name: str) -> bool:
-    """Return whether an imported name may be there: any but an interface that a package does not have."""
-    kind = module.rpartition(".")[2]
-    is_interface = kind in _KINDS and not name.startswith("_")
-    return INTERFACES is None or not is_interface or f"{kind}/{name}" in INTERFACES
-
-
-def _tolerant(name: str, message: Any, interface: str) -> Any:
-    """Return a message type that has any field and constant that it is asked for, or just its own if these are known."""
+def _tolerant(name: str, message: Any) -> Any:
+    """Return a message type that has any field and constant that it is asked for."""
     meta = type(type(message).__name__, (type(message),), {"__getattr__": _anything})
-    there = INTERFACES and INTERFACES[interface]
-    init = {"__init__": lambda self, **_: message.__init__(self)}
-    return meta(name, (message,), {**init, "__setattr__": _set, "_there": there})
+    return meta(name, (message,), {"__init__": lambda self, **_: message.__init__(self)})
 
 
-def _received(message: Any) -> None:
-    """Let a class, to which all messages that are received belong, have the fields of all types that it stands for."""
-    known = vars(message).get("_there", [])
-    fields = None if INTERFACES is None else itertools.chain(*INTERFACES.values())
-    message._there = None if known is None or fields is None else [*known, *fields]
-    message.__getattr__ = _anything
-
-
-def _anything(owner: Any, name: str) -> Any:
+def _anything(_: object, name: str) -> Any:
     if name.startswith("_"):
         raise AttributeError(f"NotInstalledHere has no {name}")
-    there = getattr(owner, "_there", None)
-    if there is not None and name not in there:
-        raise AttributeError(f"no such field in this interface: {name!r}")
     return _kind(name)
-
-
-def _set(message: Any, name: str, value: Any) -> None:
-    if not name.startswith("_"):
-        _anything(message, name)
-    object.__setattr__(message, name, value)
 
 
 if __name__ != "ros2lab.grading.reading.stand_in":
