@@ -6,7 +6,6 @@ import io
 import os
 import re
 import subprocess
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -456,11 +455,9 @@ def test_of_a_very_long_text_the_beginning_and_the_end_are_read() -> None:
     text = f"$ ros2 run first node\n{lines}NameError: name 'last' is not defined\n"
     printed = read_printed(io.BytesIO(text.encode()))
     assert len(printed) <= 2 * MOST_READ
-    start = time.process_time()
     for error in (read_error(text), read_error(printed)):
         assert error.decisive == "NameError: name 'last' is not defined"
         assert error.typed == ("ros2 run first node",)
-    assert time.process_time() - start < 5
 
 
 @pytest.mark.parametrize(
