@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Sequence
 
 from ros2lab.diagnose.code.private_names import of_another
 from ros2lab.diagnose.finding import Finding, in_a_row, these_lines
@@ -13,7 +14,7 @@ from ros2lab.diagnose.sources.interfaces import node_members
 from ros2lab.diagnose.sources.node_source import NodeClass, NodeSources, is_self_attribute
 from ros2lab.diagnose.sources.one_run import own_calls
 from ros2lab.diagnose.sources.python_source import Function, own_nodes, walk
-from ros2lab.diagnose.sources.syntax_parts import calls_in
+from ros2lab.diagnose.sources.syntax_parts import calls_in, stores_in
 
 
 def as_written(name: str, spot: Spot) -> str:
@@ -60,18 +61,9 @@ def _too_early(sources: NodeSources, owner: NodeClass, name: str, spot: Spot) ->
     where = f", in {functions[lines[0]]}()" if len({*functions.values()}) == 1 else ""
     which = f": what sets it ({these_lines(lines)}{where}) has not run yet for this object" if lines else ""
     cause = f"self.{name} is used here before anything has set it{which}."
-    made = owner.methods.get("__init__")
     later = [line for line in lines if functions[line] == "__init__"]
-    call = _leading_to(sources, owner, made, spot.function, later[0]) if made and later else None
-    if made and spot.function and call:
-        own = {
-            n.attr: n.lineno for n in own_nodes(made) if is_self_attribute(n) and isinstance(n.ctx, ast.Store)
-        }
-        read = [n.attr for n in own_nodes(spot.function) if is_self_attribute(n)]
-        needed = [f"self.{one}" for one in dict.fromkeys([name, *read]) if own.get(one, 0) > call.lineno]
-        cause = f"self.{name} is used here before line {later[0]} sets it: line {call.lineno}, `{ast.unparse(call)}`, leads to {reader}()."
-        fix = f"set {in_a_row(needed)} above line {call.lineno}, to what {reader}() is to begin with"
-        return Finding("attribute-missing", cause, spot.place, fix)
+    if led := _led_to_early(sources, owner, name, spot, later):
+        return led
     first = next((line for line in lines if functions[line] in ("__init__", reader)), None)
     begun = "above this line" if reader == "__init__" else "in __init__"
     fix = (
@@ -79,6 +71,22 @@ def _too_early(sources: NodeSources, owner: NodeClass, name: str, spot: Spot) ->
         if first
         else f"set self.{name} {begun}, to the value that it has at the beginning"
     )
+    return Finding("attribute-missing", cause, spot.place, fix)
+
+
+def _led_to_early(
+    sources: NodeSources, owner: NodeClass, name: str, spot: Spot, later: Sequence[int]
+) -> Finding | None:
+    """Explain that a constructor calls what leads to the line, before the lines that set what it needs; else None."""
+    made, reader = owner.methods.get("__init__"), spot.function
+    call = _leading_to(sources, owner, made, reader, later[0]) if made and later else None
+    if made is None or reader is None or call is None:
+        return None
+    set_at = {n.attr: n.lineno for n in stores_in(own_nodes(made)) if is_self_attribute(n)}
+    read = [n.attr for n in own_nodes(reader) if is_self_attribute(n)]
+    needed = [f"self.{one}" for one in dict.fromkeys([name, *read]) if set_at.get(one, 0) > call.lineno]
+    cause = f"self.{name} is used here before line {later[0]} sets it: line {call.lineno}, `{ast.unparse(call)}`, leads to {reader.name}()."
+    fix = f"set {in_a_row(needed)} above line {call.lineno}, to what {reader.name}() is to begin with"
     return Finding("attribute-missing", cause, spot.place, fix)
 
 
